@@ -117,3 +117,21 @@ def of_law(
         if name in effect.changes:
             changes[:, axis], slopes[:, axis] = effect.changes[name], effect.slopes[name] * chain
     return changes, slopes
+
+
+def of_load(
+    mechanisms: Sequence[Mechanism],
+    theta: Float[ndarray, " parameter"],
+    force: Float[ndarray, " force"],
+) -> tuple[Float[ndarray, "force 4"], list[Float[ndarray, "force 4 own"]]]:
+    """What laws of the load alone change of kn and kt at loads, and the slopes by each cause's."""
+    none = np.zeros(force.size)
+    at = Records(none.astype(int), force, none, none, none, 0.0, 0.0)
+    changes = np.zeros((force.size, 4))
+    slopes = [np.zeros((force.size, 4, len(one.parameters))) for one in mechanisms]
+    for k, (one, own) in enumerate(zip(mechanisms, places(mechanisms), strict=True)):
+        if one.stick is not None and one.over == ("force",):
+            change, slope = of_law(one, *one.values(theta[own]), at)
+            changes[:, :2] += change[:, :2]
+            slopes[k][:, :2] = slope[:, :2]
+    return changes, slopes

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.causes import places
+from bladeroot.diagnosis.causes import of_load, places
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
@@ -15,7 +15,7 @@ from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.verdict import insufficient
 from bladeroot.inference.gaussian import Fit
-from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.terms import spelled
 from bladeroot.variables import dataset as tabled
@@ -216,22 +216,13 @@ def stiffness_law(
 
     Of the causes those that are laws of the load alone.
     """
-    count = len(names)
-    none = np.zeros(force.size)
-    x = np.log(force / pivot)
-    value = np.stack([theta[k] + theta[count] * x for k in range(count)])
+    count, x = len(names), np.log(force / pivot)
+    changes, slopes = of_load(causes, theta[base:], force)
+    axes = [COORDINATES.index(f"ln_{name[:2]}") for name in names]
+    value = theta[:count, None] + theta[count] * x + changes[:, axes].T
     rows = np.zeros((count, force.size, theta.size))
     rows[np.arange(count), :, np.arange(count)] = 1.0
     rows[:, :, count] = x
-    at = Records(np.zeros(force.size, dtype=int), force, none, none, none, 0.0, 0.0)
-    for one, own in zip(causes, places(causes, base), strict=True):
-        if one.stick is None or one.over != ("force",):
-            continue
-        values, chain = one.values(theta[own])
-        effect = one.stick(at, values)
-        for k, called in enumerate(names):
-            name = f"ln_{called[:2]}"
-            if name in effect.changes:
-                value[k] += effect.changes[name]
-                rows[k, :, own] += effect.slopes[name] * chain
+    for own, slope in zip(places(causes, base), slopes, strict=True):
+        rows[:, :, own] = slope[:, axes].swapaxes(0, 1)
     return value, rows

@@ -15,14 +15,14 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.causes import causes, of_law, places
+from bladeroot.diagnosis.causes import causes, of_load
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
 from bladeroot.inference.gaussian import Fit, fit, maxima_of
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.inference.sampling import sample
-from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Records
+from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism
 from bladeroot.rom.parametric import ln_frequencies
 from bladeroot.variables import dataset
 
@@ -45,7 +45,7 @@ def stiffness_problem(
     structures = partial(here.structures, fitted.parameters[:base])
     made = causes(mechanisms, fitted.parameters[base:], records, structures)
     pivot = simulated.pivot_of(records)
-    change, own = _laws_at(pivot, mechanisms, fitted.parameters[base:])
+    change, own = of_load(mechanisms, fitted.parameters[base:], np.array([pivot]))
     slopes = [a - b for a, b in zip(made.slopes, own, strict=True)]
     made = replace(made, changes=made.changes - change, slopes=slopes)
     load = (records.force + made.changes[:, 2]) / simulated.per_load - simulated.shift
@@ -87,21 +87,6 @@ def stiffness_problem(
     )  # fmt: skip
 
 
-def _laws_at(
-    load: float, mechanisms: Sequence[Mechanism], theta: Float[ndarray, " parameter"]
-) -> tuple[Float[ndarray, "4"], list[Float[ndarray, "4 own"]]]:
-    """What laws of the load alone change of kn and kt at a load, and the slopes by each cause's."""
-    none = np.zeros(1)
-    at = Records(none.astype(int), np.array([load]), none, none, none, 0.0, 0.0)
-    changes, slopes = np.zeros(4), [np.zeros((4, len(one.parameters))) for one in mechanisms]
-    for k, (one, own) in enumerate(zip(mechanisms, places(mechanisms), strict=True)):
-        if one.stick is not None and one.over == ("force",):
-            change, slope = of_law(one, *one.values(theta[own]), at)
-            changes[:2] += change[0, :2]
-            slopes[k][:2] = slope[0, :2]
-    return changes, slopes
-
-
 def interface_stiffness(
     data: StickData, simulated: Parametric, fits: Sequence[Fit], mechanisms: list[Mechanism],
     base: int,
@@ -112,8 +97,8 @@ def interface_stiffness(
     """
     asked = stiffness_problem(data, simulated, fits[0], mechanisms, base)
     count, pivot = asked.prior.mean.size, simulated.pivot_of(data.records)
-    change, _ = _laws_at(pivot, mechanisms, fits[0].parameters[base:])
-    own = change[[COORDINATES.index(name) for name in simulated.coordinates]]
+    change, _ = of_load(mechanisms, fits[0].parameters[base:], np.array([pivot]))
+    own = change[0, [COORDINATES.index(name) for name in simulated.coordinates]]
     ends = [fit(asked, one.parameters[:count] + own, one.scales) for one in fits]
     best, *others = maxima_of(ends, count)
     found = sample(best, range(count), DRAWS, others=others)

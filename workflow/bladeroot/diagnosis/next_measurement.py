@@ -25,7 +25,7 @@ from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
-from bladeroot.inference.gaussian import Fit
+from bladeroot.inference.gaussian import Fit, information
 from bladeroot.inference.problem import Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Records, rows_of
 from bladeroot.variables import dataset, names
@@ -82,7 +82,7 @@ def _of_question(
     as_size: Callable[[float], str],
 ) -> xr.Dataset:
     """Of the measurements where such mechanisms are in question."""
-    whole = _opennats(made, asked)
+    whole = _open_nats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
 
     def row(one: Option) -> dict:
@@ -138,6 +138,10 @@ def _asked(made: Diagnosis) -> list[set[str]]:
     """The mechanisms in question, first things first: those that may be what the data
     show to be missing, those that come nearest to it, those that the data would not show.
     """
+
+    def nearest(found: Found) -> list[str]:
+        return sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)[:_NEAREST]
+
     shown = {
         name
         for found in made.found
@@ -148,18 +152,13 @@ def _asked(made: Diagnosis) -> list[set[str]]:
     known = {name for found in made.found for name in found.alone}
     asks = (
         shown,
-        {name for found in made.found if found.unexplained for name in _nearest(found)},
+        {name for found in made.found if found.unexplained for name in nearest(found)},
         {name for found in made.found for name in found.open},
     )
     return [some & known for some in asks if some & known] or [set()]
 
 
-def _nearest(found: Found) -> list[str]:
-    """The mechanisms that come nearest to what none explains."""
-    return sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)[:_NEAREST]
-
-
-def _opennats(made: Diagnosis, asked: set[str]) -> float:
+def _open_nats(made: Diagnosis, asked: set[str]) -> float:
     """Entropy of what is in question (nothing: 0); what is barred is as open as can be."""
     if not asked:
         return 0.0
@@ -210,7 +209,8 @@ def _row(
         problems = [stick_model.problem(data, made.simulated, r.mechanisms) for r in stick]
         old, new = np.arange(n), np.arange(n, m)
         gained += _gained(stick, problems, old, new)
-        covariance = _sharper(problems[stick.index(first)], first.fit)
+        again, known = problems[stick.index(first)], first.fit
+        covariance = np.linalg.inv(information(again, known.parameters, known.scales))
         if "curve" in rivals and not made.curve_lacks:
             curves, old, new = _more_curves(made.curves, load, one.times)
             models = [curve_model.problem(curves, r.mechanisms) for r in rivals["curve"]]
@@ -265,14 +265,6 @@ def _predicted(problem: Problem, fitted: Fit, old: ndarray, new: ndarray) -> tup
     return state.mean[new] + gain @ (fitted.problem.data - state.mean[old]), 0.5 * (
         spread + spread.T
     )
-
-
-def _sharper(problem: Problem, fitted: Fit) -> ndarray:
-    """Covariance of a fit's parameters with all of a problem's data."""
-    state = problem.predict(fitted.parameters)
-    own = problem.covariance(state, fitted.scales)[0]
-    weight = np.diag(1.0 / fitted.problem.prior.std**2)
-    return np.linalg.inv(state.slope.T @ np.linalg.solve(own, state.slope) + weight)
 
 
 def _by_facts(

@@ -77,8 +77,13 @@ def probabilities(
             add(one.causes | {UNKNOWN}, own + float(other))
     top = max(log.values())
     weights = {key: float(np.exp(value - top)) for key, value in log.items()}
-    total = sum(weights.values())
-    return {key: value / total for key, value in weights.items()}
+    return _of_one(weights)
+
+
+def _of_one(sets: Sets) -> Sets:
+    """Scaled to a sum of one."""
+    total = sum(sets.values())
+    return {key: value / total for key, value in sets.items()}
 
 
 def _invented(one: Weighed, alone: float, trust: float) -> float:
@@ -105,8 +110,7 @@ def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
         if len(key - {UNKNOWN}) < guards.MOST_CAUSES:
             for name in names:
                 whole[key | {name}] = whole.get(key | {name}, 0.0) + odds * value
-    total = sum(whole.values())
-    return {key: value / total for key, value in whole.items()}
+    return _of_one(whole)
 
 
 def as_shown(sets: Sets) -> Sets:
@@ -125,8 +129,7 @@ def conditional(sets: Mapping[frozenset[str], float], names: Iterable[str]) -> S
     """Of what acts beside causes, were these all there."""
     there = frozenset(names)
     found = {key - there: value for key, value in sets.items() if key >= there}
-    total = sum(found.values())
-    return {key: value / total for key, value in found.items()}
+    return _of_one(found)
 
 
 def together(parts: Iterable[Sets], further: float = guards.FURTHER) -> Sets:
@@ -141,9 +144,7 @@ def together(parts: Iterable[Sets], further: float = guards.FURTHER) -> Sets:
             if p * q > guards.LEAST_PROBABILITY:
                 joined[a | b] = joined.get(a | b, 0.0) + p * q
         whole = joined
-    whole = {k: p * np.exp(-further * max(len(k) - 1, 0)) for k, p in whole.items()}
-    total = sum(whole.values())
-    return {key: value / total for key, value in whole.items()}
+    return _of_one({k: p * np.exp(-further * max(len(k) - 1, 0)) for k, p in whole.items()})
 
 
 def inclusion(sets: Mapping[frozenset[str], float], name: str) -> float:
