@@ -229,7 +229,8 @@ class Mechanism:
             raise ValueError(f"mechanism {self.id}: its share must be expected between 0 and 1")
         if not self.parameters:
             raise ValueError(f"mechanism {self.id}: expected at least one parameter")
-        if sum(hook is not None for hook in self.hooks) != (0 if self.finding else 1):
+        hooks = (self.stick, self.structure, self.curve, self.damping)
+        if sum(hook is not None for hook in hooks) != (0 if self.finding else 1):
             raise ValueError(f"mechanism {self.id}: expected one hook or a finding")
         names = [one.form for one in self.every_form]
         if len(set(names)) < len(names) or any(one.forms for one in self.forms):
@@ -241,11 +242,6 @@ class Mechanism:
         # A file that gives a shipped mechanism another id means all of its forms.
         own = tuple(one if one.id == self.id else replace(one, id=self.id) for one in self.forms)
         object.__setattr__(self, "forms", own)
-
-    @property
-    def hooks(self) -> tuple:
-        """The hooks, None where there is none."""
-        return (self.stick, self.structure, self.curve, self.damping)
 
     @property
     def start(self) -> Float[ndarray, " parameter"]:

@@ -23,11 +23,11 @@ class Ritz:
 
     beam, slots: stiffness without contact and force, 1/s^2. geometric: per newton, 1/(s^2 N).
     springs: of each contact stiffness, the factor whose square is what 1 N/m adds, kg^-1/2; gap and
-    slip are kn's and kt's of a single interface. beam_mass: the
-    beam's share of the mass. contact: motion across each pair by local axis, display: motion of the
-    display nodes at `display_x` (m), kg^-1/2. residual: factor of the residual's dual norm over
-    (own vector, [K0, Kg, Kc..., M]). own: how many vectors are the mode's own. rank: how many
-    lower modes are in them. amplification: how much the nearest neighbour enlarges the error.
+    slip are kn's and kt's of a single interface. beam_mass: the beam's share of the mass. contact:
+    motion across each pair by local axis, display: motion of the display nodes at `display_x` (m),
+    kg^-1/2. residual: factor of the residual's dual norm over (own vector, [K0, Kg, Kc..., M]).
+    own: how many vectors are the mode's own. rank: how many lower modes are in them. amplification:
+    how much the nearest neighbour enlarges the error.
     """
 
     beam: Float[ndarray, "vector vector"]
@@ -42,16 +42,6 @@ class Ritz:
     own: int
     rank: int
     amplification: float
-
-    @property
-    def gap(self) -> Float[ndarray, "vector vector"]:
-        """The factor of kn of a single interface."""
-        return self.springs[0]
-
-    @property
-    def slip(self) -> Float[ndarray, "vector vector"]:
-        """The factor of kt of a single interface."""
-        return self.springs[1]
 
 
 def contact_factor(rows: Float[ndarray, "row vector"]) -> Float[ndarray, "vector vector"]:
