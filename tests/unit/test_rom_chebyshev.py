@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from bladeroot.rom.chebyshev import Surface, at_force, evaluate, fit
+from bladeroot.rom.chebyshev import Surface, at_force, evaluate
+from bladeroot.rom.chebyshev_fit import fit
 
 LOW, HIGH = np.array([1.0, -2.0, 0.0]), np.array([3.0, 1.0, 5e3])
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.rom.chebyshev import fit
+from bladeroot.rom.chebyshev_fit import fit
 from bladeroot.stiffness.grid_search import grid_search
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton

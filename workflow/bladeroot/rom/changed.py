@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.rom import chebyshev
+from bladeroot.rom.chebyshev_fit import fit
 from bladeroot.rom.parametric import frequencies, ritz_of, surface_of
 from bladeroot.rom.sensitivity import Change, changed_frequencies
 
@@ -34,7 +34,7 @@ def changed_model(model: xr.Dataset, changes: Mapping[str, Change]) -> xr.Datase
             for mode, ritz in zip(modes, ritzes, strict=True)
         ])  # fmt: skip
 
-    surface = chebyshev.fit(ln_frequency, low, high, _TOLERANCE)
+    surface = fit(ln_frequency, low, high, _TOLERANCE)
     unseen = np.random.default_rng(5).uniform(low, high, (_CHECK_POINTS, 3))
     error = np.abs(np.log(frequencies(surface, unseen)).T - ln_frequency(unseen)).max(axis=1)
     kept = model[["box", "error_bound"]].copy()

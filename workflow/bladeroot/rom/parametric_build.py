@@ -7,8 +7,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.chebyshev_fit import fit
 from bladeroot.rom.greedy import find_bases
 from bladeroot.rom.joint import Joint, exact_modes
 from bladeroot.rom.parametric import frequencies, spring_names
@@ -71,7 +71,7 @@ def parametric_model(
     ritzes, solutions = find_bases(joint, modes, low, high, tolerance)
     surface = Surface(np.zeros((0, 0, 0, 0)), low, high)
     if sums:
-        surface = chebyshev.fit(
+        surface = fit(
             lambda points: np.stack([np.log(frequency(solve(m, points).value)) for m in ritzes]),
             low,
             high,
