@@ -235,18 +235,18 @@ def _fit(
     gram, right, trend = normal_sums(x, y, std, shape, first, count)
     penalty, centre = penalty_rows(knots)
     place = np.interp(centre, prior.node, np.arange(float(prior.node.size)))
-    if walk is None:
-        solves = [partial(_in_band, gram, own, penalty) for own in right]
-    else:
-        solves = [
-            partial(_in_full, root, penalty) for root in _roots(x, y, std, walk, knots, trend)[0]
-        ]
+    # by the normal matrix's band, or, with a walk, by roots
+    known = right if walk is None else _roots(x, y, std, walk, knots, trend)[0]
+
+    def solve(own: ndarray, precision: ndarray) -> tuple[ndarray, ndarray]:
+        if walk is None:
+            return solution(penalised(gram, penalty, precision), own)
+        return full_solution(root_of(own, penalty, precision), SPLINE_DEGREE + 1)
+
     try:
         found = [
-            posterior(solve, penalty, place, before, softest, iterations)
-            for solve, before, softest in zip(
-                solves, prior.log_precision, prior.softest, strict=True
-            )
+            posterior(partial(solve, own), penalty, place, before, softest, iterations)
+            for own, before, softest in zip(known, prior.log_precision, prior.softest, strict=True)
         ]
     except LinAlgError:
         problem = "the spline's equations are singular: values without finite errors?"
@@ -259,14 +259,6 @@ def _fit(
         Prior(prior.node, log_precision, prior.softest),
         CALIBRATION if walk is None else np.ones(3),
     )  # fmt: skip
-
-
-def _in_band(gram: ndarray, right: ndarray, rows: ndarray, precision: ndarray) -> tuple:
-    return solution(penalised(gram, rows, precision), right)
-
-
-def _in_full(root: ndarray, rows: ndarray, precision: ndarray) -> tuple:
-    return full_solution(root_of(root, rows, precision), SPLINE_DEGREE + 1)
 
 
 def _bending(

@@ -101,12 +101,12 @@ def kinks(
         none = np.zeros(0)
         return Kinks(place, none, none, none.astype(complex), none, none.astype(complex))
     basis, sizes, off = _weights(reach)
-    seen = np.stack([_sums(log_phasor, row) for row in basis])
+    seen = np.stack([np.convolve(log_phasor, row[::-1], mode="valid") for row in basis])
     explained = (seen.real**2 + seen.imag**2).sum(axis=0)
     step, bend = sizes @ seen
     left = np.zeros(log_phasor.size - reach + 1)
     for row in off:
-        one = _sums(log_phasor, row)
+        one = np.convolve(log_phasor, row[::-1], mode="valid")
         left += one.real**2 + one.imag**2
     scatter = left * correlation / (2.0 * (reach - 3))
     known = np.convolve(std**2, np.full(reach, 1.0 / reach), mode="valid")
@@ -122,17 +122,6 @@ def kinks(
         step_std=np.sqrt(2.0 * variance * (sizes[0] @ sizes[0])),
         bend=bend,
     )
-
-
-def _sums(
-    log_phasor: Complex[ndarray, " point"], weights: Float[ndarray, " wide"]
-) -> Complex[ndarray, " window"]:
-    """Weighted sum over each window of the points."""
-    real, imaginary = (
-        np.convolve(part, weights[::-1], mode="valid")
-        for part in (log_phasor.real, log_phasor.imag)
-    )
-    return real + 1j * imaginary
 
 
 def expected_gain(bend: float, std: float, reach: int) -> float:
