@@ -10,9 +10,9 @@ from bladeroot.diagnosis.simulation.parametric import of_structure
 from bladeroot.diagnosis.stick_model import kinked, near, problem, stick_data, trust_kernel
 from bladeroot.diagnosis.structures import solved_change
 from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.rom.changed import changed_frequencies
 from bladeroot.rom.parametric import ln_frequencies
 from bladeroot.rom.parametric_build import parametric_model
-from bladeroot.rom.sensitivity import changed_frequencies
 from diagnosis_bench import MODES, campaign, programme
 from stiffness_beam import beam_joint
 from turning import by_differences

@@ -24,12 +24,13 @@ from bladeroot.rom.joint import (
     stable_factor,
     stiffness_at,
 )
-from bladeroot.rom.ritz import Ritz, contact_factor, residual_bound, solve
+from bladeroot.rom.ritz import Pairs, Ritz, solve
 
 # The basis of a mode grows by the exact solution at the training point of the largest error bound.
 _TRAINING_POINTS = 250  # random ones inside the box
 _TRAINING_PART = 0.5  # of the tolerance, which bounds must meet there: they are larger in between
 _MOST_SOLUTIONS = 60  # exact ones of a model, after which the box is refused
+_ROUNDING = 1e-12  # of the frequency, where the basis holds the very point
 # Whether it is one mode throughout.
 _SAME_MODE = 1e-5  # of omega^2: a basis that gives another value than its sample has swapped modes
 _COUPLED = 1e-6  # modal product of a sample and a neighbour, above which the two modes may mix
@@ -134,6 +135,29 @@ def _worst(
     return set(), places
 
 
+def error_bound(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Float[ndarray, " point"]:
+    """Bound of the relative error of the frequency against the whole joint, at many points.
+
+    Kato and Temple's bound for K^-1 M, whose eigenvalues are 1/lambda: the relative error of lambda
+    is at most r'K^-1 r / lambda times the amplification, lambda_j / |lambda_j - lambda| of the
+    nearest neighbour j. The residual's dual norm is taken at the softest contact, which bounds it
+    everywhere, as K only rises with kn and kt. Neighbours are those seen at the basis's samples.
+    """
+    pairs = solve(ritz, points)
+    return _ROUNDING + ritz.amplification * residual_bound(ritz.residual, pairs, points)
+
+
+def residual_bound(
+    residual: Float[ndarray, "row part"], pairs: Pairs, points: Float[ndarray, "point coordinate"]
+) -> Float[ndarray, " point"]:
+    """The bound before amplification, from any factor of the residual's dual norm."""
+    stiffness = np.exp(points[:, :-1].T)
+    one = np.ones(len(points))
+    weights = np.stack([one, points[:, -1], *stiffness, -pairs.value], axis=1)
+    combination = (pairs.shape[:, :, None] * weights[:, None, :]).reshape(len(points), -1)
+    return 0.5 * ((combination @ residual.T) ** 2).sum(axis=1) / pairs.value
+
+
 def _norm(joint: Joint, low: ndarray, high: ndarray) -> Norm:
     middle, reach = 0.5 * (low[-1] + high[-1]), 0.5 * (high[-1] - low[-1])
     softest = np.array([*low[:-1], middle])
@@ -223,7 +247,7 @@ def _projected(joint: Joint, span: Span) -> Ritz:
         beam=upon(beam, 0),
         slots=upon(slots, 0),
         geometric=upon(beam, 1),
-        springs=tuple(contact_factor(rows @ basis) for rows in joint.rows),
+        springs=tuple(_triangular(rows @ basis) for rows in joint.rows),
         beam_mass=upon(beam, -1),
         contact=contact,
         display=np.einsum("daq,qv->dav", assembly["display_shape"].values, basis),
@@ -233,6 +257,12 @@ def _projected(joint: Joint, span: Span) -> Ritz:
         rank=0,
         amplification=1.0,
     )
+
+
+def _triangular(rows: Float[ndarray, "row vector"]) -> Float[ndarray, "vector vector"]:
+    """Triangular factor with the square of the given rows."""
+    count = rows.shape[1]
+    return np.linalg.qr(np.vstack([rows, np.zeros((count, count))]), mode="r")
 
 
 def _neighbours(

@@ -9,10 +9,10 @@ from numpy import ndarray
 
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.rom.chebyshev_fit import fit
-from bladeroot.rom.greedy import find_bases
+from bladeroot.rom.greedy import error_bound, find_bases
 from bladeroot.rom.joint import Joint, exact_modes
 from bladeroot.rom.parametric import frequencies, spring_names
-from bladeroot.rom.ritz import Ritz, error_bound, frequency, solve
+from bladeroot.rom.ritz import Ritz, frequency, solve
 
 MODES = ("1B", "2B")
 STIFFNESS = (1e8, 1e12)  # N/m, flank totals; the thesis searched 3.3e8 to 5e9

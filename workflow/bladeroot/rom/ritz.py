@@ -1,4 +1,4 @@
-"""One mode of the joint in a small basis of its own: frequency, shape, error bound, derivatives.
+"""One mode of the joint in a small basis of its own: frequency, shape, derivatives.
 
 The basis holds shapes of one mode, and of lower ones that it mixes with, at many points. There the
 mode keeps its rank, and its frequency, being stationary, is wrong only by the square of what the
@@ -10,11 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg.lapack import dsyevr
-
-_ROUNDING = 1e-12  # of the frequency, where the basis holds the very point
 
 
 @dataclass(frozen=True)
@@ -42,12 +40,6 @@ class Ritz:
     own: int
     rank: int
     amplification: float
-
-
-def contact_factor(rows: Float[ndarray, "row vector"]) -> Float[ndarray, "vector vector"]:
-    """Triangular factor with the square of the given rows."""
-    count = rows.shape[1]
-    return np.linalg.qr(np.vstack([rows, np.zeros((count, count))]), mode="r")
 
 
 @dataclass(frozen=True)
@@ -105,13 +97,6 @@ def turning(
     return moved, np.linalg.solve(system, right)[:, :size]
 
 
-def closest(
-    shapes: Float[ndarray, "point part vector"], shape: Float[ndarray, "point part"]
-) -> Int[ndarray, " point"]:
-    """Column of the shapes that is most like a given one."""
-    return np.abs(np.einsum("piv,pi->pv", shapes, shape)).argmax(axis=1)
-
-
 def stiffness_of(body, geometric, springs, points) -> ndarray:
     """Projected stiffness at points (ln k..., F), 1/s^2."""
     parts = np.stack([body, geometric, *(rows.T @ rows for rows in springs)])
@@ -140,26 +125,3 @@ def quotient(
 def frequency(value: Float[ndarray, "*shape"]) -> Float[ndarray, "*shape"]:
     """Hz, of omega^2."""
     return np.sqrt(value) / (2.0 * np.pi)
-
-
-def error_bound(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Float[ndarray, " point"]:
-    """Bound of the relative error of the frequency against the whole joint, at many points.
-
-    Kato and Temple's bound for K^-1 M, whose eigenvalues are 1/lambda: the relative error of lambda
-    is at most r'K^-1 r / lambda times the amplification, lambda_j / |lambda_j - lambda| of the
-    nearest neighbour j. The residual's dual norm is taken at the softest contact, which bounds it
-    everywhere, as K only rises with kn and kt. Neighbours are those seen at the basis's samples.
-    """
-    pairs = solve(ritz, points)
-    return _ROUNDING + ritz.amplification * residual_bound(ritz.residual, pairs, points)
-
-
-def residual_bound(
-    residual: Float[ndarray, "row part"], pairs: Pairs, points: Float[ndarray, "point coordinate"]
-) -> Float[ndarray, " point"]:
-    """The bound before amplification, from any factor of the residual's dual norm."""
-    stiffness = np.exp(points[:, :-1].T)
-    one = np.ones(len(points))
-    weights = np.stack([one, points[:, -1], *stiffness, -pairs.value], axis=1)
-    combination = (pairs.shape[:, :, None] * weights[:, None, :]).reshape(len(points), -1)
-    return 0.5 * ((combination @ residual.T) ** 2).sum(axis=1) / pairs.value

@@ -1,19 +1,15 @@
 """What else moves a frequency: added mass, moduli, densities, compliant slots, kn, kt and force.
 
-Linear changes of the joint's matrices, and the frequency under finite amounts of them, all inside
-the basis of one mode.
+Linear changes of the joint's matrices inside the basis of one mode.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.rom.ritz import Ritz, closest, frequency, solve, stiffness_of
-
-SCALES = ("beam_stiffness", "slot_stiffness", "beam_mass", "slot_mass")
+from bladeroot.rom.ritz import Ritz
 
 
 @dataclass(frozen=True)
@@ -37,7 +33,7 @@ def scaled(ritz: Ritz, part: str) -> Change:
         "slot_mass": Change(nothing, unit - ritz.beam_mass),
     }
     if part not in changes:
-        raise ValueError(f"a scaled part must be one of {', '.join(SCALES)}, got {part!r}")
+        raise ValueError(f"a scaled part must be one of {', '.join(changes)}, got {part!r}")
     return changes[part]
 
 
@@ -52,23 +48,3 @@ def motion(ritz: Ritz, x: float) -> Float[ndarray, "3 vector"]:
     right = int(np.clip(np.searchsorted(along, x), 1, len(along) - 1))
     share = (x - along[right - 1]) / (along[right] - along[right - 1])
     return (1.0 - share) * rows[right - 1] + share * rows[right]
-
-
-def changed_frequencies(
-    ritz: Ritz,
-    points: Float[ndarray, "point coordinate"],
-    changes: Sequence[Change],
-    amounts: Float[ndarray, "point change"],
-) -> Float[ndarray, " point"]:
-    """Frequency (Hz) with finite amounts of each change; the unchanged shape tells the mode."""
-    stiffness = stiffness_of(ritz.beam + ritz.slots, ritz.geometric, ritz.springs, points)
-    mass = np.broadcast_to(np.eye(len(ritz.beam)), stiffness.shape).copy()
-    for change, amount in zip(changes, amounts.T, strict=True):
-        stiffness += amount[:, None, None] * change.stiffness
-        mass += amount[:, None, None] * change.mass
-    root = np.linalg.inv(np.linalg.cholesky(mass))
-    values, shapes = np.linalg.eigh(root @ stiffness @ root.transpose(0, 2, 1))
-    before = np.zeros((len(points), len(ritz.beam)))
-    before[:, : ritz.own] = solve(ritz, points).shape
-    place = closest(root.transpose(0, 2, 1) @ shapes, before)
-    return frequency(values[np.arange(len(points)), place])
