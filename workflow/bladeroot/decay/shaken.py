@@ -34,7 +34,7 @@ def shaken(
     fit: the blocks' spline. Both results are of the first blocks, as many as the walk leaves usable
     (its standard deviation below `WORST`); the errors are those that are independent in the blocks.
     """
-    time, y = blocks.time, np.stack([blocks.log.real, blocks.log.imag])
+    time, y = blocks.time, blocks.rows
     value = fit.value(time)[0]
     off, level = y - value, np.minimum.accumulate(value[0])
     steps = np.diff(time, prepend=2.0 * time[0] - time[1])

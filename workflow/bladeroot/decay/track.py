@@ -51,29 +51,22 @@ def follow(
     frames = fit_frames(velocity, sampling_Hz, noise, segments, usable)
     blocks = _gathered(frames, blocks, fit, taken)
     duration = velocity.size / sampling_Hz
-    before, fit = fit, coarse(blocks.time, parts(blocks.log), blocks.std, duration, fit.prior)
+    before, fit = fit, coarse(blocks.time, blocks.rows, blocks.std, duration, fit.prior)
     for _ in range(3):
         if _as_known(blocks, before, fit):
             break
         before, blocks = fit, _gathered(frames, blocks, fit, taken)
-        fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
+        fit = fine(blocks.time, blocks.rows, blocks.std, fit)
     # velocity V = lambda Y: a kink in ln of the displacement Y is a step in ln V, so Y is smoothed
     _, rate, change = _logs(fit, blocks.time)
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
+    fit = fine(blocks.time, blocks.rows, blocks.std, fit)
     found = shaken(blocks, fit)
     if found is None or found[0].size < FEWEST_BLOCKS:
         return blocks, fit
     std, walk = found
-    left = slice(0, std.size)
-    blocks = Phasors(blocks.time[left], blocks.log[left], blocks.std[left])
-    own = blocks.time, parts(blocks.log), std
-    return blocks, coarse(*own, duration, iterations=6, walk=walk)
-
-
-def parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
-    """Log-amplitude and phase as rows, as splines take them."""
-    return np.stack([log.real, log.imag])
+    blocks = blocks.first(std.size)
+    return blocks, coarse(blocks.time, blocks.rows, std, duration, iterations=6, walk=walk)
 
 
 def _roughly(
@@ -88,7 +81,7 @@ def _roughly(
     scatter = noise_ratio(np.stack([blocks.log.real, phase]), blocks.std)
     std = blocks.std * np.maximum(scatter, LEAST_NOISE_RATIO)
     duration = velocity.size / sampling_Hz
-    return blocks, coarse(blocks.time, parts(blocks.log), std, duration, knots=32, iterations=2)
+    return blocks, coarse(blocks.time, blocks.rows, std, duration, knots=32, iterations=2)
 
 
 def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) -> list[FrameGrid]:
@@ -146,13 +139,12 @@ def _gathered(
         astray & (np.convolve(astray, np.ones(LOST_BLOCKS))[LOST_BLOCKS - 1 :] >= 0.5 * LOST_BLOCKS)
     )
     if lost.size:
-        part = slice(0, int(lost[0]))
-        blocks, miss = Phasors(blocks.time[part], blocks.log[part], blocks.std[part]), miss[part]
+        blocks, miss = blocks.first(int(lost[0])), miss[: lost[0]]
     if blocks.time.size < FEWEST_BLOCKS:
         raise ValueError(
             f"expected {FEWEST_BLOCKS} blocks of cycles above the noise, got {blocks.time.size}"
         )
-    off = parts(miss)
+    off = np.stack([miss.real, miss.imag])
     std = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_NOISE_RATIO)
     if taken is not None and taken[0].size:
         time, factor, doubt = taken

@@ -260,13 +260,15 @@ def _fact(text: str, consequence: str) -> Finding:
 def _dataset(
     decay: xr.Dataset, velocity: ndarray, usable: ndarray, found: list[tuple[str, Finding]]
 ) -> xr.Dataset:
-    rate = decay.attrs["sampling_Hz"]
-    texts, numbers = ("consequence", "text"), ("statistic", "threshold")
-    columns = {name: np.array([getattr(f, name) for _, f in found], str) for name in texts}
-    columns |= {name: np.array([getattr(f, name) for _, f in found], float) for name in numbers}
+    kinds = {"consequence": str, "text": str, "statistic": float, "threshold": float}
+    columns = {
+        name: np.array([getattr(f, name) for _, f in found], kind) for name, kind in kinds.items()
+    }
     columns["id"] = np.array([name for name, _ in found], str)
-    for side, name in enumerate(("from_s", "to_s")):
-        columns[name] = np.array([_end(f, side, rate) for _, f in found], float)
+    # first and last sample concerned; NaN where no span is named
+    ends = [(np.min(f.spans), np.max(f.spans) - 1) if f.spans else (np.nan,) * 2 for _, f in found]
+    ends = np.array(ends, float).reshape(-1, 2) / decay.attrs["sampling_Hz"]
+    columns["from_s"], columns["to_s"] = ends.T
     made = {f"finding_{name}": values for name, values in columns.items()}
     judged = decay.assign(dataset("quality/findings", made | {"usable": usable}))
     judged["velocity"] = ("time", velocity, decay["velocity"].attrs)
@@ -274,11 +276,3 @@ def _dataset(
     judged.attrs["reason"] = "; ".join(f.text for _, f in found if f.consequence == "drop")
     judged.attrs["verdict"] = "rejected" if judged.attrs["reason"] else "usable"
     return judged
-
-
-def _end(finding: Finding, side: int, rate: float) -> float:
-    """First or last time of the samples concerned; NaN where no span is named."""
-    if not finding.spans:
-        return np.nan
-    first, stop = zip(*finding.spans, strict=True)
-    return (min(first) if side == 0 else max(stop) - 1) / rate

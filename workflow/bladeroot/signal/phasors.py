@@ -30,6 +30,15 @@ class Phasors:
     log: Complex[ndarray, " block"]
     std: Float[ndarray, " block"]
 
+    @property
+    def rows(self) -> Float[ndarray, "2 block"]:
+        """Log-amplitude and phase as rows, as splines take them."""
+        return np.stack([self.log.real, self.log.imag])
+
+    def first(self, count: int) -> "Phasors":
+        """So many blocks from the start."""
+        return Phasors(self.time[:count], self.log[:count], self.std[:count])
+
 
 @dataclass(frozen=True)
 class FrameGrid:
