@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.level_curve import coupling
+from bladeroot.diagnosis.observations import coupling
 
 # no rung lies at an end of a curve
 LADDER = np.geomspace(1.1e-8, 0.9e-4, 57)
