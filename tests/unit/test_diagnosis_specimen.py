@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 from bladeroot.diagnosis import guards, judged
+from bladeroot.diagnosis.clampings import one_of_each_event
 from bladeroot.diagnosis.diagnose import Settings
-from bladeroot.diagnosis.observations import one_of_each_event
 from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.linear import BEND, Linear
 from bladeroot.diagnosis.simulation.over_load import OverLoad

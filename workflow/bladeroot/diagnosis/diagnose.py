@@ -13,12 +13,12 @@ from bladeroot.diagnosis.channel import (
     not_judged,
     stick_channel,
 )
+from bladeroot.diagnosis.clampings import one_of_each_event
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.families import Known
 from bladeroot.diagnosis.guards import SIGMAS
 from bladeroot.diagnosis.naming import Found, search
-from bladeroot.diagnosis.observations import one_of_each_event
 from bladeroot.diagnosis.records import Faulty, faulty_records, showing
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.parametric import of_structure

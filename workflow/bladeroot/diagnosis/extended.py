@@ -11,10 +11,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.clampings import one_of_each_event
 from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Settings, simulation_of
 from bladeroot.diagnosis.extension import Extension
-from bladeroot.diagnosis.observations import one_of_each_event
 from bladeroot.diagnosis.stick_model import StickData, problem, stick_data
 from bladeroot.inference.gaussian import Fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
