@@ -93,6 +93,33 @@ def test_the_band_reaches_the_estimator():
     assert "must hold the mode" in made(band_Hz=[60.0, 70.0])[1].attrs["reason"]
 
 
+def softening(seed, seconds=4.0):
+    """A decay of 180 Hz whose frequency falls by 1 % and whose loss rises with the amplitude."""
+    rate, x, turned = 6000.0, 1e-2, 0.0
+    amplitude, phase = np.empty((2, int(seconds * rate)))
+    for k in range(amplitude.size):
+        amplitude[k], phase[k] = x, turned
+        bend = x**2 / (x**2 + 2e-3**2)
+        omega = 2.0 * np.pi * 180.0 * (1.0 - 0.01 * bend) / rate
+        turned += omega
+        x *= np.exp(-0.5 * omega * (4e-3 + 3e-3 * bend))
+    noise = 3e-6 * np.random.default_rng(seed).standard_normal(amplitude.size)
+    return amplitude, Recording(amplitude * np.cos(phase) + noise, rate, "velocity")
+
+
+def test_errors_hold_in_a_band_although_neighbouring_cycles_share_its_noise():
+    z = []
+    for seed in range(3):
+        amplitude, recording = softening(seed)
+        curves = made(recording, expected_Hz=180.0, band_Hz=[165.0, 195.0])[1]
+        time = curves["time"].values + curves.attrs["start_s"]
+        x = np.interp(time, np.arange(amplitude.size) / 6000.0, amplitude)
+        bend = x**2 / (x**2 + 2e-3**2)
+        error = curves["loss_factor"].values - (4e-3 + 3e-3 * bend)
+        z.append(error / curves["loss_factor_std"].values)
+    assert np.mean(np.abs(np.concatenate(z)) < 3.0) > 0.99
+
+
 def test_nothing_overruled_says_nothing():
     assert overruled({"start_s": None, "keep": False}) == ""
     assert overruled({"band_Hz": [5, 9]}) == "band_Hz 5-9: no note says why"

@@ -9,7 +9,7 @@ from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import find_peaks
 
-from bladeroot.decay.track import Taken, follow
+from bladeroot.decay.track import LEAST_NOISE_RATIO, Taken, follow
 from bladeroot.signal.lines import LOUD_CYCLES, magnitudes, mode_Hz
 from bladeroot.signal.phasors import Phasors, natural
 from bladeroot.variables import dataset, names
@@ -72,6 +72,7 @@ def freevib(
     usable: Bool[ndarray, " sample"] | None = None,
     damping: str = "hysteretic",
     taken: Taken | None = None,
+    filtered: bool = False,
 ) -> xr.Dataset:
     """Frequency and loss factor as functions of displacement amplitude from a free decay.
 
@@ -92,6 +93,8 @@ def freevib(
         damping: "hysteretic" or "viscous".
         taken: for what was taken off before: times (s), factors by which a cycle's standard
             error is larger there than noise makes it, and an error to add.
+        filtered: whether the noise has passed a filter that `noise` does not know of: neighbouring
+            cycles then share it, and their scatter shows less than there is.
 
     Returns:
         Dataset with dim `point` (the curves, in time order, with standard errors) and dim `block`
@@ -111,7 +114,8 @@ def freevib(
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
     first = velocity[: int(LOUD_CYCLES * sampling_Hz / expected_Hz)]
     line_Hz = mode_Hz(*magnitudes(first, sampling_Hz), expected_Hz)
-    blocks, fit = follow(velocity, sampling_Hz, line_Hz, noise, usable, taken)
+    least_ratio = 1.0 if filtered else LEAST_NOISE_RATIO
+    blocks, fit = follow(velocity, sampling_Hz, line_Hz, noise, usable, taken, least_ratio)
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)

@@ -173,19 +173,19 @@ def estimate(
         velocity = cut["velocity"].values[first:].astype(float)
         known = [facts[name] for name in ("sampling_Hz", "expected_Hz", "noise_velocity")]
         options = {"damping": damping, "usable": cut["usable"].values[first:].astype(bool)}
-        separated = {}
+        before = {"filtered": band_Hz is not None} if estimator is freevib else {}
         if estimator is freevib and "widening" in cut:
             time = cut["widening_time"].values - begin_s
-            separated["taken"] = (time, cut["widening"].values, cut["doubt"].values)
+            before["taken"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
-            made = later(estimator(velocity, *known, **options, **separated), begin_s)
+            made = later(estimator(velocity, *known, **options, **before), begin_s)
             made = made if band_Hz is None else within(made, band_Hz)
             _refuse_another(made, facts["expected_Hz"], modes_Hz)
         except ValueError as error:
             made, facts = None, facts | {"verdict": "rejected", "reason": str(error)}
         else:
             peaks = later(peak_fit(velocity, *known, **options), begin_s)
-            if separated:
+            if "taken" in before:
                 made.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
     if made is None:
         made, peaks = no_decay(), no_peaks()

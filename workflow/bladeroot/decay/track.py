@@ -44,18 +44,22 @@ def follow(
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
     taken: Taken | None = None,
+    least_ratio: float = LEAST_NOISE_RATIO,
 ) -> tuple[Phasors, Spline]:
-    """Block log-phasors of the mode near a line, and their spline."""
+    """Block log-phasors of the mode near a line, and their spline.
+
+    least_ratio: of the blocks' scatter over that of `noise`; a smaller one is not believed.
+    """
     blocks, fit = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     segments = _cut_frames(fit, blocks, velocity.size, sampling_Hz)
     frames = fit_frames(velocity, sampling_Hz, noise, segments, usable)
-    blocks = _gathered(frames, blocks, fit, taken)
+    blocks = _gathered(frames, blocks, fit, taken, least_ratio)
     duration = velocity.size / sampling_Hz
     before, fit = fit, coarse(blocks.time, blocks.rows, blocks.std, duration, fit.prior)
     for _ in range(3):
         if _as_known(blocks, before, fit):
             break
-        before, blocks = fit, _gathered(frames, blocks, fit, taken)
+        before, blocks = fit, _gathered(frames, blocks, fit, taken, least_ratio)
         fit = fine(blocks.time, blocks.rows, blocks.std, fit)
     # velocity V = lambda Y: a kink in ln of the displacement Y is a step in ln V, so Y is smoothed
     _, rate, change = _logs(fit, blocks.time)
@@ -117,6 +121,7 @@ def _gathered(
     known: Phasors,
     fit: Spline,
     taken: Taken | None,
+    least_ratio: float,
 ) -> Phasors:
     """Blocks of the frames, freed of what the mode does within them, with errors as they scatter.
 
@@ -136,7 +141,11 @@ def _gathered(
         blocks.std > DOUBTED_ERROR
     )
     lost = np.flatnonzero(
-        astray & (np.convolve(astray, np.ones(LOST_BLOCKS))[LOST_BLOCKS - 1 :] >= 0.5 * LOST_BLOCKS)
+        astray
+        & (
+            np.convolve(np.append(astray, False), np.ones(LOST_BLOCKS))[LOST_BLOCKS - 1 : -1]
+            >= 0.5 * LOST_BLOCKS
+        )
     )
     if lost.size:
         blocks, miss = blocks.first(int(lost[0])), miss[: lost[0]]
@@ -145,7 +154,7 @@ def _gathered(
             f"expected {FEWEST_BLOCKS} blocks of cycles above the noise, got {blocks.time.size}"
         )
     off = np.stack([miss.real, miss.imag])
-    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_NOISE_RATIO)
+    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), least_ratio)
     if taken is not None and taken[0].size:
         time, factor, doubt = taken
         std = np.hypot(
