@@ -12,13 +12,17 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import chdtrc
+from scipy.stats import qmc
 
-from bladeroot.inference.gaussian import Fit, best_fit
+from bladeroot.inference.gaussian import Fit, best_fit, cost, fit
 from bladeroot.inference.problem import Prior, State, with_known_errors
 
 FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
 LEAST_PROBABILITY = 0.05  # of a larger chi-square; below it the model is said not to fit
 _START_OFFSETS = (-0.6, 0.0, 0.6)  # of all ln k from their prior's mean, in standard deviations
+# Where the fit from these misses the data, more starts, the farthest so many standard deviations
+# off: where modes change places the posterior has several maxima.
+_MORE_STARTS, _FARTHEST = 16, 1.2
 _LEAST_GAIN = 1e-8  # nats: the fit ends with a step that gains less
 
 # ln f of the modes at ln k, their slopes, and whether the model holds there.
@@ -63,8 +67,23 @@ def fit_stiffness(
     problem = with_known_errors(ln_measured, predict, np.diag(std**2), prior)
     starts = [prior.mean + step * prior.std for step in _START_OFFSETS]
     found = best_fit(problem, starts, least=_LEAST_GAIN)
+    freedom = ln_measured.size - prior.mean.size
+    if chdtrc(max(freedom, 1), _square(found, ln_measured, std)) < LEAST_PROBABILITY:
+        even = qmc.Sobol(prior.mean.size, scramble=False).random(_MORE_STARTS)
+        starts = prior.mean + _FARTHEST * (2.0 * even - 1.0) * prior.std
+        more = [
+            fit(problem, start, least=_LEAST_GAIN)
+            for start in starts
+            if np.isfinite(cost(problem, start))
+        ]
+        found = min([found, *more], key=lambda one: cost(problem, one.parameters))
+    square = _square(found, ln_measured, std)
     misfit = (ln_measured - found.state.mean) / std
-    square, freedom = float(misfit @ misfit), ln_measured.size - prior.mean.size
     chance = float(chdtrc(freedom, square)) if freedom > 0 else 1.0
     gain = found.covariance @ (found.state.slope / std[:, None] ** 2).T
     return StiffnessFit(found, misfit, gain, square, freedom, chance)
+
+
+def _square(found: Fit, ln_measured: ndarray, std: ndarray) -> float:
+    """Chi-square of a fit."""
+    return float(np.sum(((ln_measured - found.state.mean) / std) ** 2))

@@ -119,8 +119,9 @@ def fit_contact(
             mode; it belongs to the errors, for it moves kn and kt by tens of per cent.
         stiffness_range: N/m, two standard deviations of the prior of each stiffness (log-normal).
 
-    With as many modes as stiffnesses the fit is exact where a root exists, and its misfit says by
-    how much there is none; with more, chi-square says whether the model fits at all; with fewer,
+    With as many modes as stiffnesses the fit is exact where a root is found, and its misfit says by
+    how much there is none; modes named by number, which change places, may have further roots. With
+    more, chi-square says whether the model fits at all; with fewer,
     the prior decides along what the data leave open, and `ln_std` shows it.
 
     The covariance is the curvature's at the estimate (Laplace). With one or two modes the posterior
@@ -130,7 +131,8 @@ def fit_contact(
 
     Raises:
         ValueError: what is no number or mapping, an unknown mode, an error that is not positive, a
-            joint that is not stable, a mode that is nowhere found.
+            load of a joint that no load stiffens, a joint that is not stable, a mode that is
+            nowhere found.
 
     >>> import numpy as np, bladeroot as br
     >>> one, other = np.array([[0, 1, 2]]), np.array([[3, 4, 5]])
@@ -170,11 +172,13 @@ def fit_contact(
             "fe_bias must be a number, or one by mode, and stiffness_range two numbers in N/m, got "
             f"{fe_bias!r} and {stiffness_range!r}"
         ) from error
+    if missing := [name for name in names if name not in given]:
+        raise ValueError(f"fe_bias must have a value for {', '.join(missing)}, got {fe_bias!r}")
     for text, numbers in (("frequency", value), ("its standard error", std), ("fe_bias", bias)):
         if not (np.isfinite(numbers).all() and (numbers > 0.0).all()):
             raise ValueError(f"{text} must be positive, got {numbers.tolist()}")
-    if not 0.0 < low < high:
-        raise ValueError(f"stiffness_range must be 0 < low < high, got {stiffness_range}")
+    if not 0.0 < low < high < np.inf:
+        raise ValueError(f"stiffness_range must be 0 < low < high < inf, got {stiffness_range}")
 
     refused: list[ValueError] = []
 

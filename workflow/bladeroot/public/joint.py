@@ -23,6 +23,7 @@ _ASYMMETRY = 1e-6
 # from the rigid motions of free bodies.
 _SHIFT = 1e-3
 # Contact and load at which the dovetail's modes are named by parity.
+_MOST_LN_K = 60.0  # of any contact in N/m; more is a stiffness, not its logarithm
 _NAMING_STIFFNESS = 2e9  # N/m a flank, as the source finds
 _NAMING_FORCE = 12e3  # N
 # Rigid motions are sought among the lowest modes without load.
@@ -152,14 +153,23 @@ class Joint:
         """The named modes (all without names) at contact stiffnesses exp(ln_k) N/m and a load.
 
         Raises:
-            ValueError: a load that is no number, the joint is not stable there, or a mode is not
-                found: no shape among the lowest agrees with its own to a MAC of LEAST_MAC.
+            ValueError: a load that is no number, one of a joint that no load stiffens, not a finite
+                ln k for each parameter, an unknown mode, the joint is not stable there, or a mode
+                is not found: no shape among the lowest agrees with its own to a MAC of LEAST_MAC.
         """
         load = load_number(load)
-        names = tuple(names) or tuple(self.modes)
+        if load and self.geometric is None:
+            raise ValueError(f"a load of {load:g} needs the joint's geometric stiffness Kg")
+        names, ln_k = tuple(names) or tuple(self.modes), np.atleast_1d(np.asarray(ln_k, float))
+        if unknown := [name for name in names if name not in self.modes]:
+            raise ValueError(f"modes must be among {', '.join(self.modes)}, got {unknown}")
+        if ln_k.shape != (len(self.parameters),) or not (np.abs(ln_k) < _MOST_LN_K).all():
+            raise ValueError(
+                f"ln_k must be ln of N/m for {', '.join(self.parameters)}, got {ln_k.tolist()}"
+            )
         orders = [self.modes[n] for n in names if not isinstance(self.modes[n], ndarray)]
         count = max([len(self.modes), *orders]) + EXTRA_MODES
-        values, shapes = self._elastic(np.asarray(ln_k, float), load, count)
+        values, shapes = self._elastic(ln_k, load, count)
         chosen = [self._column(name, shapes, values.size) for name in names]
         return NamedModes(np.sqrt(values[chosen]) / (2.0 * np.pi), shapes[:, chosen])
 
