@@ -108,7 +108,7 @@ def motion(unit: str, sensitivity: str | None = None) -> tuple[str, float]:
     if found is None:
         raise ValueError(
             f"sensitivity {sensitivity!r} makes no motion of {unit!r}; expected one such as "
-            "125 mm/s/V or 100 mV/g"
+            + (f"125 mm/s/{unit}" if unit in RAW else "125 mm/s/V or 100 mV/g, with samples in V")
         )
     return found
 

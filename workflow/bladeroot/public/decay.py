@@ -6,20 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Real
 from numpy import ndarray
 
 from bladeroot.decay.cut import decay_starts, too_fast_or_short
 from bladeroot.decay.record import analyse, recorded
 from bladeroot.io.campaign import Campaign
+from bladeroot.io.channel import RATE_TOLERANCE
 from bladeroot.io.expected import expected_at
 from bladeroot.io.read import read
 from bladeroot.io.recording import part, recording
-from bladeroot.io.units import seconds
+from bladeroot.io.units import same, seconds
 from bladeroot.signal.recording import SI, Recording, uncut, velocity
 from bladeroot.terms import length
 
-Source = str | Path | xr.DataArray | Float[ndarray, " sample"]
+Source = str | Path | xr.DataArray | Real[ndarray, " sample"] | Real[ndarray, "sample 1"]
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,9 @@ class Ringdown:
     """What one record says of one mode.
 
     free_decay: the cut-out decay (`velocity` in m/s) with its findings. curves: `amplitude` (m),
-    `frequency` (Hz), `loss_factor` (1) and their `_std` along `point`. plateau: stick frequency,
+    `frequency` (Hz), `loss_factor` (1) and their `_std` along `point`, with what they were made of
+    along `block` and `peak`: `curves.drop_dims(["block", "peak"]).to_dataframe()` is a table of the
+    points. plateau: stick frequency,
     loss factor and onset of slip, NaN where the record does not reach its plateau.
     """
 
@@ -58,6 +61,9 @@ class Ringdown:
 
         Returns:
             a Figure, none of pyplot's: `decay.plot().savefig("a.png")` saves it.
+
+        Raises:
+            ValueError: there are no curves.
         """
         from bladeroot.figures.curves import records
         from bladeroot.figures.still import still
@@ -108,7 +114,7 @@ def ringdown(
     """Frequency and damping over amplitude of one mode of a ring-down.
 
     Args:
-        source: a file of any format that the workflow reads; an array of samples, with
+        source: a file of any format that the workflow reads; an array of one channel, with
             `sampling_Hz`; or a DataArray with a coordinate `time` (s, unless its `units` say
             otherwise) and `units` in its attrs.
         mode_Hz: about where the mode lies; the strongest line within 17 % is measured.
@@ -200,6 +206,8 @@ def _ends(name: str, given: object, both: bool = False) -> tuple[float | None, f
         first = last = np.nan
     if not all(not both if one is None else np.isfinite(one) for one in (first, last)):
         raise ValueError(f"{name} must be two numbers, got {given!r}")
+    if any(one is not None and one < 0.0 for one in (first, last)):
+        raise ValueError(f"{name} must not be negative, got {given!r}")
     if None not in (first, last) and not first < last:
         raise ValueError(f"{name} must be in order, got {first:g} to {last:g}")
     return first, last
@@ -240,9 +248,12 @@ def _recording(
 ) -> Recording:
     if isinstance(source, str | Path):
         return read(source, quantity, unit, channel, sampling_Hz, sensitivity)
-    time = None
+    samples, time, where = source, None, "the given array"
     if isinstance(source, xr.DataArray):
-        unit = unit or source.attrs.get("units")
+        own = source.attrs.get("units")
+        if own and unit and not same(own, unit):
+            raise ValueError(f"unit contradicts: {unit!r} stated, {own!r} in the DataArray")
+        unit = unit or own
         if "time" in source.coords:
             time = source["time"].values
             if time.dtype.kind in "mM":  # dates, or times since one
@@ -255,10 +266,33 @@ def _recording(
             raise ValueError("expected a coordinate `time` in the DataArray, or sampling_Hz")
     elif sampling_Hz is None:
         raise ValueError("an array of samples needs sampling_Hz")
-    if unit is None:
-        unit = SI[quantity or "velocity"]
-    if isinstance(source, np.ma.MaskedArray):
-        source = source.astype(float).filled(np.nan)
-    return recording(
-        np.asarray(source), unit, "the given array", time, sampling_Hz, quantity, sensitivity
-    )
+    if isinstance(samples, np.ma.MaskedArray):
+        samples = samples.astype(float).filled(np.nan)
+    samples = np.asarray(samples)
+    if samples.ndim == 2 and 1 in samples.shape:
+        samples = samples.ravel()
+    if unit is None and sensitivity is not None and not _is_number(sensitivity):
+        raise ValueError(f"a sensitivity of {sensitivity!r} needs the samples' unit, such as 'V'")
+    if unit == "FS" and samples.dtype.kind in "iu":
+        raise ValueError(
+            "whole numbers have no full scale; expected parts of it (16-bit samples over 32768), "
+            "or unit='count'"
+        )
+    unit = unit or SI[quantity or "velocity"]
+    taken = recording(samples, unit, where, time, sampling_Hz, quantity, sensitivity)
+    if time is not None and sampling_Hz is not None:
+        apart = abs(taken.sampling_Hz / sampling_Hz - 1.0)
+        if not apart <= RATE_TOLERANCE:
+            raise ValueError(
+                f"sampling_Hz contradicts: {sampling_Hz:.9g} stated, {taken.sampling_Hz:.9g} by "
+                "the DataArray's time"
+            )
+    return taken
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
