@@ -76,6 +76,47 @@ def test_times_of_a_data_array_are_in_their_unit():
         )
 
 
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"sampling_Hz": 0.5 * RATE}, "sampling_Hz contradicts: .* stated, .* DataArray's time"),
+        ({"unit": "m/s^2"}, "unit contradicts: 'm/s\\^2' stated, 'm/s' in the DataArray"),
+    ],
+)
+def test_what_contradicts_a_data_array_is_told(given, told):
+    time = np.arange(int(3.0 * RATE)) / RATE
+    array = xr.DataArray(samples(), {"time": time}, attrs={"units": "m/s"})
+    with pytest.raises(ValueError, match=told):
+        br.ringdown(array, mode_Hz=210.0, **given)
+    assert br.ringdown(array, 210.0, sampling_Hz=RATE, unit="metres/second").verdict == "usable"
+
+
+def test_whole_numbers_have_no_full_scale():
+    steps = np.round(1e6 * samples()).astype(np.int32)
+    given = {"mode_Hz": 210.0, "sampling_Hz": RATE}
+    with pytest.raises(ValueError, match="whole numbers have no full scale"):
+        br.ringdown(steps, **given, unit="FS", sensitivity="1 m/s/FS")
+    counted = br.ringdown(steps, **given, unit="count", sensitivity="1e-6 m/s/count")
+    parts = br.ringdown(1e-6 * steps, **given, unit="FS", sensitivity="1 m/s/FS")
+    np.testing.assert_allclose(counted.curves["amplitude"], parts.curves["amplitude"], rtol=1e-6)
+
+
+def test_an_array_of_one_column_is_one_channel():
+    one, other = (
+        br.ringdown(x, mode_Hz=210.0, sampling_Hz=RATE) for x in (samples(), samples()[:, None])
+    )
+    np.testing.assert_array_equal(one.curves["amplitude"], other.curves["amplitude"])
+
+
+def test_a_start_before_the_release_is_rejected_in_words():
+    rng = np.random.default_rng(0)
+    rest = 1e-7 * rng.standard_normal(int(0.3 * RATE))
+    made = br.ringdown(
+        np.concatenate([rest, samples()]), mode_Hz=210.0, sampling_Hz=RATE, start_s=0.1
+    )
+    assert "empty" not in made.verdict
+
+
 def test_a_sensitivity_may_be_a_factor():
     one, other = (
         br.ringdown(x, mode_Hz=210.0, sampling_Hz=RATE, sensitivity=factor)
@@ -189,6 +230,18 @@ def test_a_record_of_noise_is_rejected_with_a_reason_and_no_exception():
         ({"mode_Hz": 210.0, "sampling_Hz": RATE, "damping": "none"}, "damping must be hyst"),
         ({"mode_Hz": 200.0}, "needs sampling_Hz"),
         ({"mode_Hz": 200.0, "sampling_Hz": RATE, "unit": "V"}, "needs a sensitivity"),
+        (
+            {"mode_Hz": 200.0, "sampling_Hz": RATE, "sensitivity": "100 mV/g"},
+            "a sensitivity of '100 mV/g' needs the samples' unit, such as 'V'",
+        ),
+        (
+            {"mode_Hz": 200.0, "sampling_Hz": RATE, "unit": "FS", "sensitivity": "100 mV/g"},
+            "makes no motion of 'FS'; expected one such as 125 mm/s/FS",
+        ),
+        (
+            {"mode_Hz": 200.0, "sampling_Hz": RATE, "start_s": -1.0},
+            "start_s and end_s must not be negative",
+        ),
     ],
 )
 def test_what_is_missing_is_told_in_one_line(given, told):
@@ -291,6 +344,23 @@ def test_frequencies_and_their_gradient_are_those_of_two_masses():
     np.testing.assert_allclose(joint.gradient(ln_k, found), numeric, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"ln_k": np.log([1e6])}, "ln_k must be ln of N/m for kn, kt, got"),
+        ({"ln_k": np.array([1e6, 1e6])}, "ln_k must be ln of N/m for kn, kt, got"),
+        ({"ln_k": np.array([np.nan, 1.0])}, "ln_k must be ln of N/m for kn, kt, got"),
+        ({"names": ["z"]}, "modes must be among n, t, got \\['z'\\]"),
+        ({"load": 12e3}, "a load of 12000 needs the joint's geometric stiffness Kg"),
+    ],
+)
+def test_what_modes_cannot_be_asked_at_is_told(given, told):
+    K, M, pairs = two_masses()
+    joint = br.Joint.from_matrices(K, M, pairs, {"n": against(0), "t": against(1)})
+    with pytest.raises(ValueError, match=told):
+        joint.modes_at(**{"ln_k": np.log([1e6, 1e6])} | given)
+
+
 def test_a_load_stiffens_by_its_own_matrix():
     K, M, pairs = two_masses()
     joint = br.Joint.from_matrices(K, M, pairs, {"n": against(0)}, Kg=np.diag([7.0] * 6))
@@ -331,6 +401,17 @@ def test_as_many_modes_as_stiffnesses_find_both():
     assert found.fits
     assert "kn" in repr(found)
     assert found.plot().axes
+
+
+def test_roots_beyond_modes_that_change_places_are_found():
+    """Modes by number: from the prior's mean the search meets where two of them cross."""
+    joint = br.Joint.from_matrices(*two_masses(), {"d": 4, "e": 5, "f": 6})
+    measured = joint.modes_at(np.log([4e6, 9e5])).frequency
+    given = {name: (f, 0.05) for name, f in zip("def", measured, strict=True)}
+    found = br.fit_contact(joint, given, fe_bias=1e-4)
+    assert found.fits
+    assert found.kn == pytest.approx(4e6, rel=1e-2)
+    assert found.kt == pytest.approx(9e5, rel=1e-2)
 
 
 def test_more_modes_than_stiffnesses_show_a_model_that_is_wrong():
@@ -453,7 +534,7 @@ def test_a_frequency_without_its_error_is_told(wrong):
     for measured in ({"n": wrong, "t": wrong}, {"n": wrong, "t": (10.0, 0.1)}):
         with pytest.raises(ValueError, match=r"be \(frequency, standard error\) in Hz by mode"):
             br.fit_contact(joint, measured)
-    with pytest.raises(ValueError, match="fe_bias must be positive"):
+    with pytest.raises(ValueError, match="fe_bias must have a value for t, got"):
         br.fit_contact(joint, {"n": (10.0, 0.1), "t": (10.0, 0.1)}, fe_bias={"n": 0.01})
 
 
@@ -509,6 +590,19 @@ def test_a_campaign_without_workflow_gives_the_stages_verdict(tmp_path):
     assert len(verdict.plot().axes) == 4
     with pytest.raises(ValueError, match="campaign folder not found"):
         br.diagnose(tmp_path / "nowhere")
+
+
+def test_a_campaign_without_a_usable_record_is_no_evidence_of_nothing(tmp_path):
+    folder = tmp_path / "two-modes"
+    two_modes(folder)
+    place = folder / "campaign.yaml"
+    place.write_text(place.read_text().replace("260", "700").replace("100", "180"))
+    verdict = br.diagnose(folder)
+    assert set(verdict.observations["verdict"].values) == {"rejected"}
+    assert verdict.answer == "insufficient-data"
+    assert "no record can be used, of 6" in verdict.said["reason"].lower()
+    assert verdict.probabilities == {}
+    assert "none" not in repr(verdict)
 
 
 def test_causes_that_the_sentence_doubts_are_not_among_the_named():

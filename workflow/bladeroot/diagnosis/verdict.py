@@ -40,6 +40,7 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     """
     sets = probabilities(made)
     causes = _causes(made, sets)
+    sets = sets if made.found or causes else {}  # where no data were judged
     answer = _answer(made, causes)
     reason = _reason(made, answer) + (_below(made, every) if every else "")
     return {
@@ -151,7 +152,7 @@ def _answer(made: Diagnosis, causes: list[dict]) -> str:
     others = [one for one in causes if one["class"] != "record"]
     if any(certain(one) for one in others):
         return "named"
-    if any(found.insufficient for found in made.found):
+    if any(found.insufficient for found in made.found) or not (made.found or causes):
         return "insufficient-data"
     if any(NONE not in one["credible_set"] for one in others):
         return "ambiguous"
@@ -268,6 +269,8 @@ def _reason(made: Diagnosis, answer: str) -> str:
     ]
     if answer == "insufficient-data":
         lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
+        if made.seen.sizes["record"] and not (made.seen["verdict"] == "usable").any():
+            lacks.insert(0, f"no record can be used, of {made.seen.sizes['record']}")
         judged = [made.not_judged] if made.not_judged else []
         said = insufficient(made)
         open_ = [found for found in made.found if found.open and not found.quiet]

@@ -238,7 +238,7 @@ def _fit(
     # by the normal matrix's band, or, with a walk, by roots
     known = right if walk is None else _roots(x, y, std, walk, knots, trend)[0]
 
-    def solve(own: ndarray, precision: ndarray) -> tuple[ndarray, ndarray]:
+    def solve(own: ndarray, precision: ndarray) -> tuple:
         if walk is None:
             return solution(penalised(gram, penalty, precision), own)
         return full_solution(root_of(own, penalty, precision), SPLINE_DEGREE + 1)
