@@ -8,6 +8,7 @@ import bladeroot as br
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.report.verdict import answer_of
 from decay_bench import RATE as SHAKEN_HZ
 from decay_bench import START, shaken
 from matplotlib.image import imread
@@ -602,6 +603,7 @@ def test_a_campaign_without_a_usable_record_is_no_evidence_of_nothing(tmp_path):
     assert verdict.answer == "insufficient-data"
     assert "no record can be used, of 6" in verdict.said["reason"].lower()
     assert verdict.probabilities == {}
+    assert answer_of(verdict.said) == "too few data"
     assert "none" not in repr(verdict)
 
 

@@ -168,7 +168,7 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
     said = {
         "schema": SCHEMA, "campaign": str(seen.attrs.get("campaign", "")),
         "structure": structure,
-        "answer": "insufficient-data", "probabilities": {},
+        "answer": "insufficient-data", "refused": True, "probabilities": {},
         "causes": [], "shortfall": [], "gain": {},
         "records": records_of(seen), "reason": reason, "possible": {}, "next": [],
     }  # fmt: skip

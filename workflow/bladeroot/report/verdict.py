@@ -100,8 +100,8 @@ def causes_of(said: Mapping) -> list[Mapping]:
 
 
 def answer_of(said: Mapping) -> str:
-    """The answer as words; without probabilities nothing was inferred."""
-    if not said["probabilities"]:
+    """The answer as words."""
+    if said.get("refused"):
         return REFUSED
     quiet = said["answer"] in ("ambiguous", "nothing-missing")
     if quiet and said.get("open") and not said["causes"]:
