@@ -171,7 +171,7 @@ def _analyse(folder: Path, results: Path) -> None:
         batch,
     )
     stage("integrity")([batch], campaign.name, results / "integrity.nc")
-    stage("stick")([batch], campaign.name, settings["stick"], results / "stick.nc")
+    stage("stick")([batch], campaign.name, "{}", settings["stick"], results / "stick.nc")
 
 
 # All records of a campaign are one batch.

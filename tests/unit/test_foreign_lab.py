@@ -498,3 +498,20 @@ def test_artifacts_in_memory_are_asked_for_as_files_are(tmp_path):
         artifacts.save(whole, tmp_path / "a.nc")
         assert list(artifacts.load(tmp_path / "a.nc", {"left_out"})) == ["kept"]
     assert list(shelf) == [tmp_path / "a.nc"]
+
+
+def test_the_stages_scripts_take_what_the_laboratory_gives_them(monkeypatch, tmp_path):
+    given, stage = {}, run.stage
+
+    def bound(name):
+        signature = inspect.signature(stage(name))
+
+        def bind(*args, **options):
+            given[name] = signature.bind(*args, **options).arguments
+
+        return bind
+
+    monkeypatch.setattr(run, "stage", bound)
+    run._analyse(run.ROOT / "resources" / "campaigns" / "rig", tmp_path)
+    assert list(given) == ["ringdown", "integrity", "stick"]
+    assert given["stick"]["output"] == tmp_path / "stick.nc"
