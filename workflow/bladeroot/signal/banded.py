@@ -16,6 +16,13 @@ from scipy.linalg.lapack import dtrtri
 FEWEST_BLOCK_ROWS = 16
 
 
+def lower_band(whole: Float[ndarray, "n n"], width: int) -> Float[ndarray, "n width"]:
+    """The lower band of a symmetric matrix."""
+    padded = np.pad(whole, ((0, 0), (0, width)))
+    own = np.arange(len(whole))[:, None]
+    return padded[own, own + np.arange(width)]
+
+
 def solution(
     band: Float[ndarray, "n width"], right: Float[ndarray, " n"]
 ) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"], Callable[[ndarray], ndarray]]:

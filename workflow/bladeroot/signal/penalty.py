@@ -13,6 +13,8 @@ from numpy import ndarray
 from scipy.interpolate import BSpline
 from scipy.linalg import cholesky_banded, solve_banded, solve_triangular
 
+from bladeroot.signal.banded import lower_band
+
 
 def alive_splines(
     x: Float[ndarray, " point"], knots: Float[ndarray, " knot"], degree: int
@@ -139,14 +141,7 @@ def posterior(
     freedom, _ = _freedom(inverse, value, rows, place, precision, found.size)
     moved = times(_pull(value, rows, place, precision, found.size))
     moved /= np.sqrt(0.5 * freedom + PRECISION_STD**-2)
-    return found, value, inverse + in_band(moved @ moved.T, inverse.shape[1])
-
-
-def in_band(whole: Float[ndarray, "n n"], width: int) -> Float[ndarray, "n width"]:
-    """The diagonal and what is below it, a symmetric matrix as a band holds it."""
-    padded = np.pad(whole, ((0, 0), (0, width)))
-    own = np.arange(len(whole))[:, None]
-    return padded[own, own + np.arange(width)]
+    return found, value, inverse + lower_band(moved @ moved.T, inverse.shape[1])
 
 
 def at_rows(
@@ -258,4 +253,4 @@ def full_solution(
     """Coefficients by a root as of `root_of`, a band of their covariance, what multiplies by it."""
     inverse = solve_triangular(root[:-1, :-1], np.eye(len(root) - 1))
     whole = inverse @ inverse.T
-    return inverse @ root[:-1, -1], in_band(whole, width), whole.__matmul__
+    return inverse @ root[:-1, -1], lower_band(whole, width), whole.__matmul__
