@@ -62,6 +62,7 @@ own = {
     "cluster-generic-cancel-cmd": f"{place}/cancel",
     "jobs": 2,
     "latency-wait": 10,
+    "seconds-between-status-checks": 1,
 }
 (place / "profile").mkdir()
 _ = (place / "profile" / "config.yaml").write_text(yaml.safe_dump(profile | own))

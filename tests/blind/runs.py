@@ -33,24 +33,30 @@ def make(house: Path, *targets: str, campaign: Path | None = None, jobs: int = 2
     named = (
         ["--config", f"campaigns={campaign}", f"search={json.dumps(SEARCH)}"] if campaign else []
     )
-    command = [
-        *(sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")),
-        *("--directory", str(house), f"-j{jobs}", "--quiet", *named, "--", *targets),
-    ]
-    done = subprocess.run(command, env=environment(), capture_output=True, text=True)
+    done = _snakemake(house, f"-j{jobs}", "--quiet", *named, "--", *targets)
     if done.returncode:
         raise RuntimeError(f"snakemake failed for {targets}:\n{done.stdout}\n{done.stderr}")
 
 
+def _snakemake(house: Path, *options: str) -> subprocess.CompletedProcess:
+    command = [
+        *(sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")),
+        *("--directory", str(house), *options),
+    ]
+    return subprocess.run(command, env=environment(), capture_output=True, text=True)
+
+
 def structures(house: Path) -> Path:
-    """Folder of the structure's artifacts in a house: copied from results/ if they lie there."""
-    names = ("reduced", "parametric")
-    made = house / "results" / "structures" / "dovetail-HB"
-    shipped = ROOT / "results" / "structures" / "dovetail-HB"
-    if not made.exists() and all((shipped / f"{name}.nc").is_file() for name in names):
-        shutil.copytree(shipped, made)
-    make(house, *(f"results/structures/dovetail-HB/{name}.nc" for name in names))
-    return made
+    """Folder of the structure's artifacts in a house: the checkout's own, if they are current."""
+    own = Path("results/structures/dovetail-HB")
+    targets = [str(own / f"{name}.nc") for name in ("reduced", "parametric")]
+    if not (house / own).exists() and (ROOT / own).exists():
+        planned = _snakemake(ROOT, "--dry-run", "--", *targets).stdout
+        if "Nothing to be done" in planned:
+            shutil.copytree(ROOT / own, house / own)
+            return house / own
+    make(house, *targets)
+    return house / own
 
 
 def diagnose(

@@ -17,7 +17,7 @@ from bladeroot.fem.prestress import prestress
 from bladeroot.rom.external.export import export_matrices
 from bladeroot.rom.file import load_structure
 from decay_bench import ringing
-from forked import forked
+from forked import forked, snakemake_main
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = Path(__file__).parent / "small"
@@ -37,10 +37,8 @@ class House:
     said: str = ""
 
     def run(self, *options: str, check: bool = True) -> subprocess.CompletedProcess:
-        import snakemake.cli
-
-        arguments = self.command(*options)[3:]
-        done = forked(lambda: snakemake.cli.main(arguments), self.folder, self.environment)
+        main, arguments = snakemake_main(), self.command(*options)[3:]
+        done = forked(lambda: main(arguments), self.folder, self.environment)
         if check and done.returncode:
             pytest.fail(f"snakemake {' '.join(options)} failed:\n{done.stdout}\n{done.stderr}")
         return done

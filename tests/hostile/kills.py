@@ -24,10 +24,9 @@ from collections import Counter
 from datetime import UTC, datetime
 from pathlib import Path
 
-import snakemake.cli
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "campaigns"))
+from forked import snakemake_main
 from house import House, copy_house
 
 LIMIT_S = 900.0
@@ -79,6 +78,7 @@ def contents(house):
 
 def start(house, *asked):
     """A run in a session of its own; its process id."""
+    main = snakemake_main()
     child = os.fork()
     if child:
         return child
@@ -94,7 +94,7 @@ def start(house, *asked):
             del sys.modules[name]  # the house has its own
         tests = str(Path(__file__).parents[2])
         sys.path[:] = [one for one in sys.path if not one.startswith(tests)]
-        snakemake.cli.main(["-j2", *asked])
+        main(["-j2", *asked])
     except SystemExit as end:
         status = int(end.code or 0)
     finally:

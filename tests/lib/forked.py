@@ -6,9 +6,19 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+@cache
+def snakemake_main() -> Callable[[list[str]], None]:
+    """Snakemake's command with its plugins, loaded once for all that is forked off from here on."""
+    import snakemake.cli
+
+    snakemake.cli.get_argument_parser()
+    return snakemake.cli.main
 
 
 def forked(

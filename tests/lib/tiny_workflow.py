@@ -11,7 +11,7 @@ import signal
 import sys
 from pathlib import Path
 
-import snakemake.cli
+from forked import snakemake_main
 
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S = 60  # of a run
@@ -56,6 +56,7 @@ def make(folder):
 def run(folder, *options, before=None):
     """Snakemake in the folder: exit status and what it said. before: called in its process."""
     # a pipe: a file would be cut off where a case lets files be short
+    main = snakemake_main()
     ours, theirs = os.pipe()
     child = os.fork()
     if child == 0:
@@ -72,7 +73,7 @@ def run(folder, *options, before=None):
             if before:
                 before()
             profile = ["--workflow-profile", str(ROOT / "profiles" / "default")]
-            snakemake.cli.main(["-j2", *profile, *options])
+            main(["-j2", *profile, *options])
         except SystemExit as end:
             status = end.code if isinstance(end.code, int) else 1
         finally:

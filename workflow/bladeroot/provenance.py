@@ -207,6 +207,7 @@ def _library_imports(path: Path) -> frozenset[Path]:
     finds by the environment's PYTHONPATH.
     """
     found = set()
+    ours = path.is_relative_to(_LIBRARY)
     for level, module, imported in _source(path)["imports"]:
         names = whole = imported
         if module is not None:
@@ -215,7 +216,8 @@ def _library_imports(path: Path) -> frozenset[Path]:
             names = [base, *whole]
         for name in names:
             found |= _files(name)
-            found |= _beside(path, name)
+            if not ours:
+                found |= _beside(path, name)
         for name in whole:
             found |= _modules_of(name)
     return frozenset(found)
@@ -223,7 +225,7 @@ def _library_imports(path: Path) -> frozenset[Path]:
 
 def _beside(path: Path, name: str) -> set[Path]:
     """The files of a module that lies beside a file outside the library, or on PYTHONPATH."""
-    if path.is_relative_to(_LIBRARY) or name.split(".")[0] == _PACKAGE:
+    if name.split(".")[0] == _PACKAGE:
         return set()
     elsewhere = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     folders = [path.parent, *map(Path, filter(None, elsewhere))]
@@ -235,11 +237,9 @@ def _beside(path: Path, name: str) -> set[Path]:
 @cache
 def _modules_of(name: str) -> set[Path]:
     """All modules of a sub-package of the library; none for a plain module."""
-    parts = name.split(".")
-    folder = _LIBRARY.joinpath(*parts[1:])
-    if parts[0] != _PACKAGE or len(parts) < 2 or not (folder / "__init__.py").is_file():
+    if "." not in name or f"{name}.__init__" not in _library():
         return set()
-    return set(folder.glob("*.py"))
+    return {file for one, file in _library().items() if one.rpartition(".")[0] == name}
 
 
 def _absolute(level: int, module: str, path: Path) -> str:
@@ -250,15 +250,20 @@ def _absolute(level: int, module: str, path: Path) -> str:
 
 
 @cache
+def _library() -> dict[str, Path]:
+    """The library's files by dotted name, `__init__` files by their own."""
+    files = _LIBRARY.rglob("*.py")
+    return {
+        ".".join(one.relative_to(_LIBRARY.parent).with_suffix("").parts): one for one in files
+    }
+
+
+@cache
 def _files(module: str) -> set[Path]:
     """The file of a dotted name and the `__init__` files that Python runs on the way to it."""
     parts = module.split(".")
     if parts[0] != _PACKAGE:
         return set()
-    found = set()
-    for depth in range(1, len(parts) + 1):
-        stem = _LIBRARY.joinpath(*parts[1:depth])
-        for candidate in (stem / "__init__.py", stem.with_suffix(".py")):
-            if candidate.is_file():
-                found.add(candidate)
-    return found
+    ways = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
+    candidates = [one for way in ways for one in (f"{way}.__init__", way)]
+    return {_library()[one] for one in candidates if one in _library()}
