@@ -253,9 +253,7 @@ def _absolute(level: int, module: str, path: Path) -> str:
 def _library() -> dict[str, Path]:
     """The library's files by dotted name, `__init__` files by their own."""
     files = _LIBRARY.rglob("*.py")
-    return {
-        ".".join(one.relative_to(_LIBRARY.parent).with_suffix("").parts): one for one in files
-    }
+    return {".".join(one.relative_to(_LIBRARY.parent).with_suffix("").parts): one for one in files}
 
 
 @cache
