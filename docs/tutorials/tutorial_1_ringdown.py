@@ -36,6 +36,8 @@ decay
 
 # %%
 # The curves are an xarray Dataset with standard errors; the plateau at small amplitudes is the stuck joint.
+# Their loss factor is less than the one above by what the rise of the frequency does to the amplitude (3.11),
+# 0.5 % at most.
 
 decay.plot()
 

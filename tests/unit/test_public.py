@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bladeroot as br
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from bladeroot.report.verdict import answer_of
@@ -63,6 +64,19 @@ def test_times_of_a_data_array_may_be_dates(kind):
     plain = array.assign_coords(time=seconds)
     one, other = (br.ringdown(x, mode_Hz=210.0, sampling_Hz=RATE) for x in (array, plain))
     assert one.stick_frequency[0] == pytest.approx(other.stick_frequency[0], rel=1e-9)
+
+
+def test_the_index_of_a_series_is_its_time():
+    time = np.arange(int(3.0 * RATE)) / RATE
+    array = br.ringdown(samples(), mode_Hz=210.0, sampling_Hz=RATE)
+    for index in (time, pd.to_timedelta(time, unit="s").round("ns")):
+        series = br.ringdown(pd.Series(samples(), index), mode_Hz=210.0, unit="m/s")
+        assert series.stick_frequency[0] == pytest.approx(array.stick_frequency[0], rel=1e-9)
+    numbered = pd.Series(samples())
+    with pytest.raises(ValueError, match="needs sampling_Hz"):
+        br.ringdown(numbered, mode_Hz=210.0)
+    same = br.ringdown(numbered, mode_Hz=210.0, sampling_Hz=RATE)
+    assert same.stick_frequency == array.stick_frequency
 
 
 def test_times_of_a_data_array_are_in_their_unit():
@@ -415,6 +429,33 @@ def test_roots_beyond_modes_that_change_places_are_found():
     assert found.kt == pytest.approx(9e5, rel=1e-2)
 
 
+def test_another_stiffness_of_the_same_frequencies_is_told():
+    """Of two modes by number that change places, one takes the part of the other: two roots."""
+    joint = br.Joint.from_matrices(*two_masses(), {"d": 4, "e": 5})
+    truth = np.log([1e6, 9e5])
+    measured = joint.modes_at(truth).frequency
+    given = {name: (f, 1e-4) for name, f in zip("de", measured, strict=True)}
+    found = br.fit_contact(joint, given, fe_bias=1e-6, stiffness_range=(1e4, 1e8))
+    every = np.vstack([found.result["stiffness"], found.result["other_stiffness"]])
+    assert len(every) > 1
+    assert np.abs(np.log(every) - truth).max(axis=1).min() < 1e-3
+    for k in every:
+        np.testing.assert_allclose(joint.modes_at(np.log(k)).frequency, measured, rtol=1e-5)
+    assert 0.0 < found.result["other_probability"].values.sum() < 1.0
+    assert " or kn" in repr(found)
+
+
+def test_where_modes_change_places_it_is_told():
+    """Both of the measured modes are tangential, so that nothing is known of kn."""
+    joint = br.Joint.from_matrices(*two_masses(), {"d": 4, "e": 5})
+    measured = joint.modes_at(np.log([4e6, 9e5])).frequency
+    given = {name: (f, 1e-4) for name, f in zip("de", measured, strict=True)}
+    found = br.fit_contact(joint, given, fe_bias=1e-6, stiffness_range=(1e4, 1e8))
+    assert found.kt == pytest.approx(9e5, rel=1e-3)
+    assert found.result.attrs["crossed"] == "e"
+    assert "another mode crosses e here" in repr(found)
+
+
 def test_more_modes_than_stiffnesses_show_a_model_that_is_wrong():
     """The two tangential modes know one kt; with 1 % between them they contradict each other."""
     right = {
@@ -485,6 +526,10 @@ def test_a_step_to_where_no_mode_has_the_shape_is_shortened():
     ("change", "told"),
     [
         ({"K": np.zeros((5, 6))}, "K must be square"),
+        ({"M": None}, "M must be a matrix, got None"),
+        pytest.param(
+            {"pairs": None}, "ContactPairs, got a NoneType", marks=pytest.mark.wrong_shape
+        ),
         ({"K": np.triu(np.ones((6, 6)))}, "K must be symmetric"),
         ({"M": np.eye(5)}, "expected M with 6 rows"),
         ({"Kg": np.full((6, 6), np.nan)}, "Kg must hold finite numbers"),
@@ -593,6 +638,21 @@ def test_a_campaign_without_workflow_gives_the_stages_verdict(tmp_path):
         br.diagnose(tmp_path / "nowhere")
 
 
+def test_what_is_odd_in_a_sheet_is_a_warning(tmp_path):
+    folder = tmp_path / "two-modes"
+    two_modes(folder)
+    sheet = folder / "records.csv"
+    sheet.write_text(sheet.read_text().replace("low1.csv", "low0.csv"))
+    with pytest.warns(UserWarning, match=r"low0.csv stands in row 2 already \(.*, row 3\)"):
+        br.diagnose(folder)
+
+
+@pytest.mark.wrong_shape
+def test_no_campaign_is_told():
+    with pytest.raises(ValueError, match="must be a folder, got a NoneType"):
+        br.diagnose(None)
+
+
 def test_a_campaign_without_a_usable_record_is_no_evidence_of_nothing(tmp_path):
     folder = tmp_path / "two-modes"
     two_modes(folder)
@@ -605,6 +665,7 @@ def test_a_campaign_without_a_usable_record_is_no_evidence_of_nothing(tmp_path):
     assert verdict.probabilities == {}
     assert answer_of(verdict.said) == "too few data"
     assert "none" not in repr(verdict)
+    assert "without 6 of 6 records: high0, high1," in repr(verdict)
 
 
 def test_causes_that_the_sentence_doubts_are_not_among_the_named():

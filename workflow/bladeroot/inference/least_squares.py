@@ -14,14 +14,14 @@ from numpy import ndarray
 from scipy.special import chdtrc
 from scipy.stats import qmc
 
-from bladeroot.inference.gaussian import Fit, best_fit, cost, fit
+from bladeroot.inference.gaussian import Fit, best_fit, cost, fit, maxima_of
 from bladeroot.inference.problem import Prior, State, with_known_errors
 
 FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
 LEAST_PROBABILITY = 0.05  # of a larger chi-square; below it the model is said not to fit
 _START_OFFSETS = (-0.6, 0.0, 0.6)  # of all ln k from their prior's mean, in standard deviations
-# Where the fit from these misses the data, more starts, the farthest so many standard deviations
-# off: where modes change places the posterior has several maxima.
+# Where the posterior may have several maxima, as modes that change places make it, or where the fit
+# from these misses the data: more starts, the farthest so many standard deviations off.
 _MORE_STARTS, _FARTHEST = 16, 1.2
 _LEAST_GAIN = 1e-8  # nats: the fit ends with a step that gains less
 
@@ -35,7 +35,7 @@ class StiffnessFit:
 
     misfit: ln of measured over fitted, in standard deviations of measurement and model together.
     gain: slope of the estimate by each mode's ln f. probability: of a larger chi-square; 1 without
-    a degree of freedom.
+    a degree of freedom. others: further maxima of the posterior that are not far less probable.
     """
 
     fit: Fit
@@ -44,6 +44,7 @@ class StiffnessFit:
     chi_square: float
     freedom: int
     probability: float
+    others: tuple[Fit, ...] = ()
 
 
 def ln_range(low: float, high: float, count: int) -> Prior:
@@ -57,8 +58,12 @@ def fit_stiffness(
     ln_measured: Float[ndarray, " mode"],
     std: Float[ndarray, " mode"],
     prior: Prior,
+    several: bool = False,
 ) -> StiffnessFit:
-    """The stiffnesses that measured ln f ask for; std: of measurement and model together."""
+    """The stiffnesses that measured ln f ask for.
+
+    std: of measurement and model together. several: whether the posterior may have several maxima.
+    """
 
     def predict(ln_k: ndarray) -> State:
         value, slope, inside = frequencies(ln_k)
@@ -67,8 +72,9 @@ def fit_stiffness(
     problem = with_known_errors(ln_measured, predict, np.diag(std**2), prior)
     starts = [prior.mean + step * prior.std for step in _START_OFFSETS]
     found = best_fit(problem, starts, least=_LEAST_GAIN)
-    freedom = ln_measured.size - prior.mean.size
-    if chdtrc(max(freedom, 1), _square(found, ln_measured, std)) < LEAST_PROBABILITY:
+    freedom, others = ln_measured.size - prior.mean.size, []
+    missed = chdtrc(max(freedom, 1), _square(found, ln_measured, std)) < LEAST_PROBABILITY
+    if several or missed:
         even = qmc.Sobol(prior.mean.size, scramble=False).random(_MORE_STARTS)
         starts = prior.mean + _FARTHEST * (2.0 * even - 1.0) * prior.std
         more = [
@@ -76,12 +82,12 @@ def fit_stiffness(
             for start in starts
             if np.isfinite(cost(problem, start))
         ]
-        found = min([found, *more], key=lambda one: cost(problem, one.parameters))
+        found, *others = maxima_of([found, *more], prior.mean.size)
     square = _square(found, ln_measured, std)
     misfit = (ln_measured - found.state.mean) / std
     chance = float(chdtrc(freedom, square)) if freedom > 0 else 1.0
     gain = found.covariance @ (found.state.slope / std[:, None] ** 2).T
-    return StiffnessFit(found, misfit, gain, square, freedom, chance)
+    return StiffnessFit(found, misfit, gain, square, freedom, chance, tuple(others))
 
 
 def _square(found: Fit, ln_measured: ndarray, std: ndarray) -> float:

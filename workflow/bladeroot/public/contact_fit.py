@@ -12,6 +12,7 @@ from scipy.stats import chi2
 from bladeroot.inference.least_squares import FE_BIAS, LEAST_PROBABILITY, fit_stiffness, ln_range
 from bladeroot.public.joint import Joint, load_number
 
+_CROSSING = 3.0  # errors of a frequency, nearer than which another mode changes places with it
 RANGE = (1e6, 1e13)  # N/m, in which nearly all contact stiffnesses lie: two standard deviations
 
 
@@ -21,8 +22,11 @@ class ContactFit:
 
     result: `stiffness` (N/m) and its `ln_std` by `parameter`; `ln_covariance`; by `mode` the
     `measured` and `fitted` frequency (Hz), `misfit` (in standard deviations of measurement and
-    model together) and `jacobian` (d ln f / d ln k). Attributes: `load`, `chi2`, `freedom`,
-    `probability` of a larger chi-square, `log_evidence`.
+    model together) and `jacobian` (d ln f / d ln k); by `other` the `other_stiffness` (N/m) that
+    the frequencies allow besides, its `other_ln_std` and its `other_probability`, by Laplace's
+    evidence of each. Attributes: `load`, `chi2`, `freedom`, `probability` of a larger chi-square,
+    `log_evidence`, and `crossed`, the modes named by number that change places with another one at
+    this stiffness: there the errors are too small, and shapes tell the modes apart.
     """
 
     joint: Joint
@@ -99,6 +103,21 @@ class ContactFit:
             )
         elif not self.fits:
             lines.append(f"  no root: misses by chi-square {attrs['chi2']:.2f}")
+        if attrs["crossed"]:
+            lines.append(
+                f"  another mode crosses {attrs['crossed']} here, and errors are too small: name "
+                "modes by their shapes"
+            )
+        for other in range(found.sizes["other"]):
+            one = found.isel(other=other)
+            values = ", ".join(
+                f"{name} {k:.4g}"
+                for name, k in zip(
+                    found["parameter"].values, one["other_stiffness"].values, strict=True
+                )
+            )
+            chance = float(one["other_probability"])
+            lines.append(f"  or {values} N/m, with a probability of {chance:.2g}")
         return "\n".join(lines)
 
 
@@ -120,9 +139,10 @@ def fit_contact(
         stiffness_range: N/m, two standard deviations of the prior of each stiffness (log-normal).
 
     With as many modes as stiffnesses the fit is exact where a root is found, and its misfit says by
-    how much there is none; modes named by number, which change places, may have further roots. With
-    more, chi-square says whether the model fits at all; with fewer,
-    the prior decides along what the data leave open, and `ln_std` shows it.
+    how much there is none. With more, chi-square says whether the model fits at all; with fewer,
+    the prior decides along what the data leave open, and `ln_std` shows it. Modes named by number
+    change places, so that other stiffnesses may give the same frequencies: they are searched for,
+    and those that are not far less probable are told, as is where modes change places.
 
     The covariance is the curvature's at the estimate (Laplace). With one or two modes the posterior
     of (ln kn, ln kt) is a bent ridge, which an ellipse follows badly: ellipses of 95 % held 91 and
@@ -191,14 +211,21 @@ def fit_contact(
         return np.log(modes.frequency), joint.gradient(ln_k, modes), True
 
     prior = ln_range(low, high, len(joint.parameters))
-    made = fit_stiffness(modes_at, np.log(value), np.hypot(std / value, bias), prior)
+    numbered = [name for name in names if not isinstance(joint.modes[name], ndarray)]
+    spread = np.hypot(std / value, bias)
+    made = fit_stiffness(modes_at, np.log(value), spread, prior, bool(numbered))
     found = made.fit
     if not found.state.inside:  # at no start
         raise refused[0]
     probability = made.probability
     if made.freedom <= 0:  # of a miss where there should be a root
         probability = float(chi2.sf(made.chi_square, 1))
-    text = {"units": "1"}
+    others = np.array([(one.parameters, one.std) for one in made.others])
+    others = others.reshape(-1, 2, len(joint.parameters))
+    near = joint.modes_at(found.parameters, load, names).apart < _CROSSING * spread
+    crossed = [name for name, close in zip(names, near, strict=True) if close and name in numbered]
+    weights = np.exp([one.log_evidence - found.log_evidence for one in made.others])
+    of_other, text = ("other", "parameter"), {"units": "1"}
     result = xr.Dataset(
         {
             "stiffness": ("parameter", np.exp(found.parameters), {"units": "N/m"}),
@@ -208,6 +235,9 @@ def fit_contact(
             "fitted": ("mode", np.exp(found.state.mean), {"units": "Hz"}),
             "misfit": ("mode", made.misfit, text),
             "jacobian": (("mode", "parameter"), found.state.slope, text),
+            "other_stiffness": (of_other, np.exp(others[:, 0]), {"units": "N/m"}),
+            "other_ln_std": (of_other, others[:, 1], text),
+            "other_probability": ("other", weights / (1.0 + weights.sum()), text),
         },
         coords={"parameter": list(joint.parameters), "mode": list(names)},
         attrs={
@@ -216,6 +246,7 @@ def fit_contact(
             "freedom": made.freedom,
             "probability": probability,
             "log_evidence": found.log_evidence,
+            "crossed": ", ".join(crossed),
         },
     )
     return ContactFit(joint, result)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from jaxtyping import Real
 from numpy import ndarray
@@ -20,7 +21,9 @@ from bladeroot.io.units import same, seconds
 from bladeroot.signal.recording import SI, Recording, uncut, velocity
 from bladeroot.terms import length
 
-Source = str | Path | xr.DataArray | Real[ndarray, " sample"] | Real[ndarray, "sample 1"]
+Source = (
+    str | Path | xr.DataArray | pd.Series | Real[ndarray, " sample"] | Real[ndarray, "sample 1"]
+)
 
 
 @dataclass(frozen=True)
@@ -115,8 +118,8 @@ def ringdown(
 
     Args:
         source: a file of any format that the workflow reads; an array of one channel, with
-            `sampling_Hz`; or a DataArray with a coordinate `time` (s, unless its `units` say
-            otherwise) and `units` in its attrs.
+            `sampling_Hz`; a DataArray with a coordinate `time` (s, unless its `units` say
+            otherwise) and `units` in its attrs; or a Series over time.
         mode_Hz: about where the mode lies; the strongest line within 17 % is measured.
         sampling_Hz: for arrays, and for files that do not say.
         quantity: velocity (of an array without a unit), displacement or acceleration.
@@ -248,6 +251,8 @@ def _recording(
 ) -> Recording:
     if isinstance(source, str | Path):
         return read(source, quantity, unit, channel, sampling_Hz, sensitivity)
+    if isinstance(source, pd.Series) and not isinstance(source.index, pd.RangeIndex):
+        source = xr.DataArray(source.to_numpy(), {"time": source.index.to_numpy()}, "time")
     samples, time, where = source, None, "the given array"
     if isinstance(source, xr.DataArray):
         own = source.attrs.get("units")

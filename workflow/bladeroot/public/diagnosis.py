@@ -2,6 +2,7 @@
 
 import tempfile
 import textwrap
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -78,9 +79,16 @@ class Verdict:
         share = {one["mechanism"]: one["probability"] for one in self.said["causes"]}
         named = [(name, share[name]) for name in self.causes]
         best = sorted(self.probabilities.items(), key=lambda pair: -pair[1])[:3]
-        reason = textwrap.fill(self.said["reason"], 88, initial_indent="  ", subsequent_indent="  ")
-        lines = [f"{self.said['campaign']}: {self.answer}", reason]
+        lines = [f"{self.said['campaign']}: {self.answer}", _filled(self.said["reason"])]
+        bad = self.observations["record"].values[self.observations["verdict"].values == "rejected"]
+        if bad.size:
+            whole = self.observations.sizes["record"]
+            lines += [_filled(f"without {bad.size} of {whole} records: {', '.join(bad)}")]
         return "\n".join([*lines, *(f"  {_chance(p)}  {names}" for names, p in named or best)])
+
+
+def _filled(text: str) -> str:
+    return textwrap.fill(text, 88, initial_indent="  ", subsequent_indent="  ")
 
 
 def _chance(probability: float) -> str:
@@ -100,6 +108,8 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
     written. A structure takes some twenty seconds, a record about a tenth of a second, a record
     that the virtual bench makes first one or two.
 
+    What is odd in the sheet and may be meant is a warning, a line each.
+
     Raises:
         ValueError: what is wrong in the campaign's files or the settings, a line each.
 
@@ -115,7 +125,11 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
     from bladeroot.pooling.stick import stick_from_records, stick_from_table
     from bladeroot.rom.whole import reduced_structure
 
+    if not isinstance(campaign, str | Path):
+        raise ValueError(f"campaign must be a folder, got a {type(campaign).__name__}")
     described, asked = load_campaign(campaign), _config(config)
+    for line in described.warnings:
+        warnings.warn(line, stacklevel=2)
     reduced = cache(lambda name: reduced_structure(structure_file(name, described.folder)))
     own = {"campaign": described.name, "simulated": int(described.simulated)}
     analysed = list(_analysed(described, asked, reduced))

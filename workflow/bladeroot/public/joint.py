@@ -57,10 +57,14 @@ class ContactPairs:
 
 @dataclass(frozen=True)
 class NamedModes:
-    """Frequencies (Hz) and mass-normalised shapes of the named modes, in the order of the names."""
+    """Frequencies (Hz) and mass-normalised shapes of the named modes, in the order of the names.
+
+    apart: distance of each from the nearest other mode, over its frequency.
+    """
 
     frequency: Float[ndarray, " mode"]
     shape: Float[ndarray, "dof mode"]
+    apart: Float[ndarray, " mode"]
 
 
 @dataclass(frozen=True)
@@ -171,7 +175,10 @@ class Joint:
         count = max([len(self.modes), *orders]) + EXTRA_MODES
         values, shapes = self._elastic(ln_k, load, count)
         chosen = [self._column(name, shapes, values.size) for name in names]
-        return NamedModes(np.sqrt(values[chosen]) / (2.0 * np.pi), shapes[:, chosen])
+        every = np.sqrt(values) / (2.0 * np.pi)
+        away = np.abs(every[chosen, None] - every) / every[chosen, None]
+        away[np.arange(len(chosen)), chosen] = np.inf
+        return NamedModes(every[chosen], shapes[:, chosen], away.min(axis=1))
 
     def gradient(
         self, ln_k: Float[ndarray, " parameter"], at: NamedModes
@@ -249,6 +256,8 @@ class Joint:
 
 def _square(name: str, matrix) -> sp.csr_array:
     """A symmetric matrix of finite numbers, sparse."""
+    if matrix is None:
+        raise ValueError(f"{name} must be a matrix, got None")
     if np.iscomplexobj(matrix.data if sp.issparse(matrix) else np.asarray(matrix)):
         raise ValueError(f"{name} must be real")
     made = sp.csr_array(matrix, dtype=float)
@@ -304,6 +313,8 @@ def _check_modes(modes: Mapping[str, object], rows: int) -> None:
 
 def _contact_rows(pairs: ContactPairs, size: int) -> tuple[dict, dict]:
     """Rows of gaps and slips by interface, each pair's times the root of its share of the area."""
+    if not isinstance(pairs, ContactPairs):
+        raise ValueError(f"pairs must be ContactPairs, got a {type(pairs).__name__}")
     first, second = np.asarray(pairs.first), np.asarray(pairs.second)
     normal, area = np.asarray(pairs.normal, float), np.asarray(pairs.area, float)
     count = len(area)
