@@ -464,7 +464,7 @@ def test_hum_less_than_a_turn_from_a_mode_that_has_died_is_no_end_of_it(line_Hz,
     if told:
         off = found["frequency"].values / 251.2 - 1.0
         assert (np.abs(off) < np.maximum(3.5 * found["frequency_std"].values / 251.2, 5e-4)).all()
-        assert found["amplitude"][-1] < 4e-3 * found["amplitude"][0]
+        assert found["amplitude"][-1] < 15e-3 * found["amplitude"][0]
 
 
 def test_a_record_whose_digitiser_is_still_at_last_has_nothing_to_separate_there():

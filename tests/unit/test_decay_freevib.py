@@ -96,6 +96,8 @@ def test_errors_are_larger_where_damping_is_hardly_known(monkeypatch):
     stated = separated_curves(velocity, 25600.0, 247.0, noise)
     monkeypatch.setattr(sys.modules[freevib.__module__], "WEAK", 0.0)
     plain = separated_curves(velocity, 25600.0, 247.0, noise)
+    both = slice(min(stated.sizes["point"], plain.sizes["point"]))  # curves end by their errors
+    stated, plain = stated.isel(point=both), plain.isel(point=both)
     part = (plain["loss_factor_std"] / plain["loss_factor"]).values
     assert part[24:].min() < 0.01
     assert part.max() > 0.05
@@ -104,6 +106,16 @@ def test_errors_are_larger_where_damping_is_hardly_known(monkeypatch):
         assert (ratio[:2] == 1.0).all()  # the start's own part is larger there
         np.testing.assert_allclose(ratio[24:], 1.0 + 4.0 * part[24:], rtol=1e-3)
     np.testing.assert_array_equal(stated["amplitude_std"], plain["amplitude_std"])
+
+
+def test_a_curve_ends_where_three_errors_of_the_frequency_are_500_ppm():
+    """Noise to which most points are known far better; where none is, the curve has them all."""
+    for noise_db, ends in ((40, True), (4, False)):
+        velocity, noise, *_ = ring_down(3, noise_db=noise_db)
+        found = separated_curves(velocity, 25600.0, 247.0, noise)
+        known = 3.0 * (found["frequency_std"] / found["frequency"]).values
+        assert (known[-1] < 5e-4) == ends
+        assert found.sizes["point"] > 20
 
 
 def rms(values):

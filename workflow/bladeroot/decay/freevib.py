@@ -37,8 +37,11 @@ STEADY_ERRORS = 3.0  # standard errors of ln A
 # Which points are given.
 FREQUENCY_KNOWN = 0.005  # standard error over frequency: beyond, noise or another mode is followed
 FEWEST = 4  # points
-LOSS_KNOWN = 0.09  # standard error over loss factor, by noise, at which the curves begin and end,
-LOSS_KNOWN_PART = 0.5  # where so large a part of the points is better known
+# Curves begin where the loss factor is known better than that, and end where the frequency is, too,
+# if so large a part of the points is.
+KNOWN_PART = 0.5
+LOSS_KNOWN = 0.09  # standard error over loss factor, by noise
+FREQUENCY_SURE = 5e-4 / 3.0  # stated error over frequency: three errors are 500 ppm
 
 # What waves all along a decay is no law of amplitude, which bends a few times (`waves`).
 SEGMENT = 1.0  # fall of ln A in a segment through which a parabola in ln A is laid
@@ -145,9 +148,9 @@ def freevib(
             f"{np.count_nonzero(keep)} of {keep.size} cycles or groups of them, at least {FEWEST} "
             "are needed"
         )
-    known = np.flatnonzero(keep & known)
-    if known.size > max(LOSS_KNOWN_PART * np.count_nonzero(keep), FEWEST):
-        keep[: known[0]] = keep[known[-1] + 1 :] = False
+    first, last = _better(keep, known)
+    _, sure = _better(keep, errors[1] < FREQUENCY_SURE * curves[2])
+    keep[:first] = keep[min(last, sure) + 1 :] = False
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
     if np.ptp(value[0, 0][keep]) < max(STEADY, STEADY_ERRORS * float(np.median(std[0, 0][keep]))):
         raise ValueError(f"what rings at {middle_Hz:.6g} Hz does not decay: a steady tone")
@@ -165,6 +168,14 @@ def freevib(
     if damping == "viscous":
         result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
     return result
+
+
+def _better(keep: Bool[ndarray, " point"], known: Bool[ndarray, " point"]) -> tuple[int, int]:
+    """First and last kept point that is known, where most are; all points elsewhere."""
+    better = np.flatnonzero(keep & known)
+    if better.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
+        return int(better[0]), int(better[-1])
+    return 0, keep.size - 1
 
 
 def waves(
