@@ -37,11 +37,9 @@ STEADY_ERRORS = 3.0  # standard errors of ln A
 # Which points are given.
 FREQUENCY_KNOWN = 0.005  # standard error over frequency: beyond, noise or another mode is followed
 FEWEST = 4  # points
-# Curves begin where the loss factor is known better than that, and end where the frequency is, too,
-# if so large a part of the points is.
-KNOWN_PART = 0.5
-LOSS_KNOWN = 0.09  # standard error over loss factor, by noise
-FREQUENCY_SURE = 5e-4 / 3.0  # stated error over frequency: three errors are 500 ppm
+LOSS_KNOWN = 0.09  # standard error over loss factor, by noise, at which the curves begin and end,
+FREQUENCY_SURE = 5e-4 / 3.0  # and stated error over frequency at which they end in a result,
+KNOWN_PART = 0.5  # where so large a part of the points is better known
 
 # What waves all along a decay is no law of amplitude, which bends a few times (`waves`).
 SEGMENT = 1.0  # fall of ln A in a segment through which a parabola in ln A is laid
@@ -148,9 +146,9 @@ def freevib(
             f"{np.count_nonzero(keep)} of {keep.size} cycles or groups of them, at least {FEWEST} "
             "are needed"
         )
-    first, last = _better(keep, known)
-    _, sure = _better(keep, errors[1] < FREQUENCY_SURE * curves[2])
-    keep[:first] = keep[min(last, sure) + 1 :] = False
+    known = np.flatnonzero(keep & known)
+    if known.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
+        keep[: known[0]] = keep[known[-1] + 1 :] = False
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
     if np.ptp(value[0, 0][keep]) < max(STEADY, STEADY_ERRORS * float(np.median(std[0, 0][keep]))):
         raise ValueError(f"what rings at {middle_Hz:.6g} Hz does not decay: a steady tone")
@@ -170,12 +168,17 @@ def freevib(
     return result
 
 
-def _better(keep: Bool[ndarray, " point"], known: Bool[ndarray, " point"]) -> tuple[int, int]:
-    """First and last kept point that is known, where most are; all points elsewhere."""
-    better = np.flatnonzero(keep & known)
-    if better.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
-        return int(better[0]), int(better[-1])
-    return 0, keep.size - 1
+def surely_known(curves: xr.Dataset) -> xr.Dataset:
+    """Curves up to where three stated errors of the frequency pass 500 ppm.
+
+    All of them where most are known no better. What is known worse is still of use to a plateau,
+    which many points tell: it is read before.
+    """
+    error = (curves["frequency_std"] / curves["frequency"]).values
+    known = np.flatnonzero(error < FREQUENCY_SURE)
+    if known.size <= max(KNOWN_PART * error.size, FEWEST):
+        return curves
+    return curves.isel(point=slice(int(known[-1]) + 1))
 
 
 def waves(

@@ -9,7 +9,7 @@ import xarray as xr
 from bladeroot.decay.agreement import compare
 from bladeroot.decay.cut import LEAST_FALL, rejected
 from bladeroot.decay.free_decay import free_decay
-from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.freevib import freevib, no_decay, surely_known
 from bladeroot.decay.overrides import banded, kept, within
 from bladeroot.decay.pff import no_peaks, peak_fit
 from bladeroot.io.overrides import overruled
@@ -138,7 +138,7 @@ def _estimated(
     decay.attrs["simulated"] = int(known["simulated"])
     modes_Hz = tuple(known["other_modes_Hz"])
     made = estimate(decay, **estimation, band_Hz=known.get("band_Hz"), modes_Hz=modes_Hz)
-    return decay, made, record_plateau(made)
+    return decay, surely_known(made), record_plateau(made)
 
 
 def estimate(
