@@ -22,8 +22,8 @@ _ASYMMETRY = 1e-6
 # Shift below the spectrum, over the lowest Rayleigh quotient of a single dof: keeps the factor away
 # from the rigid motions of free bodies.
 _SHIFT = 1e-3
-# Contact and load at which the dovetail's modes are named by parity.
 _MOST_LN_K = 60.0  # of any contact in N/m; more is a stiffness, not its logarithm
+# Contact and load at which the dovetail's modes are named by parity.
 _NAMING_STIFFNESS = 2e9  # N/m a flank, as the source finds
 _NAMING_FORCE = 12e3  # N
 # Rigid motions are sought among the lowest modes without load.
