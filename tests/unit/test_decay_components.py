@@ -58,6 +58,20 @@ def test_each_of_several_modes_has_its_curve(number):
     assert np.mean(np.abs(z) < 3.0) > 0.9
 
 
+def test_a_weak_mode_between_louder_ones_keeps_its_line():
+    # what is not known yet draws a mode's line: away from it no other line would be a line
+    modes = [(7.0, 0.02, 1.0), (19.35, 0.004, 0.5), (28.0, 0.0025, 0.05)]
+    time = np.arange(int(15.0 * 384.0)) / 384.0
+    velocity = sum(decay(*mode, time) for mode in modes) + 0.01 * np.sin(2 * np.pi * 50.02 * time)
+    velocity += 2e-5 * np.random.default_rng(2).standard_normal(time.size)
+    parts = separated(velocity, 384.0, 28.0, (7.0, 19.35))
+    for line_Hz in (7.0, 19.35, 50.02):
+        assert np.abs(np.array(parts.lines_Hz) / line_Hz - 1.0).min() < 0.02
+    left = parts.velocity[parts.first :] - decay(*modes[2], time)[parts.first : parts.velocity.size]
+    loud = slice(40, 700)
+    assert np.sqrt(np.mean(left[loud] ** 2)) < 0.02 * modes[2][2]
+
+
 @pytest.mark.parametrize("seed", [0, 3])  # of the second, all that beats looks like wind's
 def test_a_mode_hidden_by_more_lines_than_are_followed_is_seen_in_a_band_of_its_own(seed):
     rng = np.random.default_rng(seed)

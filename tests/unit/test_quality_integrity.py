@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.cut import cut, rejected
+from bladeroot.decay.free_decay import free_decay
 from bladeroot.io.recording import recording
 from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, carried, checks, examine, examined, judge
@@ -95,6 +96,35 @@ def test_wrong_samples_are_masked_and_do_not_end_the_decay():
     assert np.flatnonzero(found["usable"].values == 0).tolist() == wrong
     plain = judged(clean)
     assert abs(found.sizes["time"] - plain.sizes["time"]) < 0.02 * plain.sizes["time"]
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "acceleration"])
+def test_wrong_samples_of_the_sensor_are_told_before_a_velocity_is_made_of_them(quantity):
+    clean, omega = decay(second=0.0), 2.0 * np.pi * 250.0
+    samples = clean / omega if quantity == "displacement" else clean * omega
+    unit = {"displacement": "m", "acceleration": "m/s^2"}[quantity]
+    spoilt, wrong = samples.copy(), [3000, 9000, 9001, 20000]
+    spoilt[wrong] += np.array([0.3, -0.8, 0.5, 2.0]) * samples.max()
+    plain, found = (
+        free_decay(recording(one, unit, "here", sampling_Hz=RATE), 250.0)
+        for one in (samples, spoilt)
+    )
+    assert ids(found) >= {"spike", "lost-samples"}
+    assert abs(found.sizes["time"] - plain.sizes["time"]) < 0.02 * plain.sizes["time"]
+    assert np.flatnonzero(found["usable"].values == 0).size < 100
+    kept = slice(0, min(found.sizes["time"], plain.sizes["time"]))
+    off = found["velocity"].values[kept] - plain["velocity"].values[kept]
+    assert np.abs(off[found["usable"].values[kept] == 1]).max() < 0.02 * START
+
+
+def test_a_blow_is_no_wrong_sample():
+    rng, time = np.random.default_rng(3), np.arange(20000) / RATE
+    modes = [(250.0, 0.002, 1.0), (1900.0, 0.01, 40.0)]
+    rings = sum(a * np.exp(-z * 6.283 * f * time) * np.sin(6.283 * f * time) for f, z, a in modes)
+    samples = np.concatenate([np.zeros(500), rings]) + 1e-4 * rng.standard_normal(20500)
+    samples[500:503] += [30.0, 90.0, 30.0]  # the hammer's contact
+    found = free_decay(recording(samples, "m/s^2", "here", sampling_Hz=RATE), 250.0)
+    assert not ids(found) & {"spike", "lost-samples"}
 
 
 @pytest.mark.parametrize("length", [12, 700])

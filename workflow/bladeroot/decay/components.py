@@ -22,7 +22,7 @@ from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STEADY_DECAY_RATIO, steady_line
 from bladeroot.decay.twofold import twofold
-from bladeroot.signal.lines import CLOSE_MODE_DISTANCE, loudest, mode_Hz
+from bladeroot.signal.lines import CLOSE_MODE_DISTANCE, LOUD_CYCLES, loudest, mode_Hz
 
 # The search for lines in what the known ones leave over.
 MOST_LINES = 8  # besides the mode
@@ -130,8 +130,8 @@ def separated(
     if abs(search.own_Hz / expected_Hz - 1.0) > APART:  # so far off that others may be its own
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     found = search.followed()
-    near = search.beside + veiled_harmonics(found, sampling_Hz, search.beside)
     x, lines, base_Hz, own_Hz = search.decay, search.lines, search.base_Hz, search.own_Hz
+    near = search.beside + veiled_harmonics(x, found, sampling_Hz, search.beside)
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)
@@ -205,13 +205,17 @@ class _Search:
 
     def followed(self) -> Envelopes:
         """The envelopes of all components, once nothing more is found in what they leave over."""
+        resolved_Hz = self.own_Hz / LOUD_CYCLES
+        most = resolved_Hz  # while lines are not known that would draw the mode's to them
         for turn in range(ROUNDS):
             self.last = found = _followed(self.decay, self.sampling_Hz, self.lines, self.base_Hz)
             self.lines = np.array(
                 [moved(found, k, self.sampling_Hz) for k in range(self.lines.size)]
             )
+            self.lines[0] = np.clip(self.lines[0], self.own_Hz - most, self.own_Hz + most)
             slowest_Hz = _slowest(self.base_Hz, self.own_Hz)
             more = more_lines(self.decay, found, self.sampling_Hz, slowest_Hz)
+            most = resolved_Hz if more else np.inf
             if (turn and not self.trimmed) or not (more or self.searched):
                 last = _lasting(found)
                 if self._takes_beside(last):

@@ -12,13 +12,14 @@ from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.overrides import in_band, shortened
 from bladeroot.decay.release import AT_ONCE, Release
 from bladeroot.quality.findings import clipping
-from bladeroot.quality.integrity import bridged, carried, examined, judge
+from bladeroot.quality.integrity import bridged, carried, examined, judge, unspiked
 from bladeroot.signal.lines import CLOSE_MODE_DISTANCE
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
 # Cycles of the mode by which two looks at its release differ at most: a frame.
 SMEARED = 3.0
+BLOW_CYCLES = 2.0  # of the mode, that a blow's contact lasts at most
 SEVERAL = "{} decays are in this record, the deepest is taken; from_s and to_s take each by itself"
 SHORT = (
     "the mode falls by a factor of {:.3g} only: this is a free decay if nothing drives it, and "
@@ -46,6 +47,7 @@ def free_decay(
     band_Hz: nothing but this band of the record is looked at. Attribute `crowded`: 1 for a record
     of more lines than are followed. ValueError: the band does not suit the record.
     """
+    recording, wrong = _unspiked(recording, expected_Hz)
     whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
     rate = recording.sampling_Hz
@@ -54,6 +56,7 @@ def free_decay(
     noise = _noise(recording, expected_Hz)
     seen = cut(clear, rate, expected_Hz, end, least=steps, noise=noise)
     remarks += tuple(("reader", note) for note in whole.notes)
+    remarks += (("spike", wrong),) if wrong else ()
     asked = expected_Hz, modes_Hz, recording
     decay = shortened(seen, clear, start_s, end_s)
     struck = onset(clear, rate / expected_Hz)
@@ -95,6 +98,17 @@ def free_decay(
     remarks += _not_apart(parts.lines_Hz, expected_Hz, modes_Hz)
     judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
     return _with_widening(judged, parts).assign_attrs(crowded=int(parts.crowded))
+
+
+def _unspiked(recording: Recording, expected_Hz: float) -> tuple[Recording, str]:
+    """`quality.integrity.unspiked`, where no blow is taken for wrong samples."""
+    made, told = unspiked(recording, expected_Hz)
+    if not told:
+        return recording, ""
+    cycle = recording.sampling_Hz / expected_Hz
+    struck = onset(velocity(made, expected_Hz), cycle)
+    after = struck + round(BLOW_CYCLES * cycle)
+    return unspiked(recording, expected_Hz, after) if struck else (made, told)
 
 
 def _remarks(count: int, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:

@@ -8,7 +8,7 @@ from numpy import ndarray
 from bladeroot.io.channel import FEWEST_SAMPLES
 from bladeroot.io.sampling import uniform
 from bladeroot.io.units import motion
-from bladeroot.signal.recording import SHORT_GAP, SI, Recording
+from bladeroot.signal.recording import SI, Recording, filled
 
 # Peaks (SI) outside which a vibration is suspicious.
 USUAL_PEAKS = {"velocity": (1e-7, 10.0), "displacement": (1e-12, 0.1), "acceleration": (1e-5, 1e5)}
@@ -78,7 +78,7 @@ def recording(
     if ending:
         notes += (f"no numbers for the last {ending} of {count} samples: left out",)
     if lost.size:
-        raw = _bridged(raw, lost)
+        raw = filled(raw, lost)
     if time is not None:
         sampling_Hz, start_s = uniform(time, count, where, sampling_Hz)
     elif sampling_Hz is None or not (np.isfinite(sampling_Hz) and sampling_Hz > 0.0):
@@ -134,24 +134,6 @@ def _lost(raw: ndarray, where: str) -> tuple[ndarray, int]:
             f"{lost[0] + 1} ({where})"
         )
     return lost, ending
-
-
-def _bridged(raw: ndarray, lost: ndarray) -> ndarray:
-    """Samples with a spline through short gaps and straight lines through long ones."""
-    from scipy.interpolate import CubicSpline  # late: few records need it
-
-    from bladeroot.signal.lines import quantum
-
-    kept = np.delete(np.arange(raw.size), lost)
-    after = np.searchsorted(kept, lost)
-    before = raw[kept[np.maximum(after - 1, 0)]]
-    short = (kept[after] - kept[after - 1] <= SHORT_GAP + 1) & (after > 0)
-    course = np.interp(lost, kept, raw[kept])
-    course[short] = CubicSpline(kept, raw[kept])(lost[short])
-    step = quantum(raw[kept]) or 1.0  # in the digitiser's steps, which are looked for later
-    filled = raw.copy()
-    filled[lost] = before + step * np.round((course - before) / step)
-    return filled
 
 
 def _suspicions(peak: float, quantity: str, where: str) -> tuple[str, ...]:

@@ -13,8 +13,9 @@ from numpy import ndarray
 
 from bladeroot.quality import findings
 from bladeroot.quality.examined import LEFTOVER, Examined, Finding
+from bladeroot.quality.findings import spike
 from bladeroot.signal.lines import HIGHEST_OF_SAMPLING
-from bladeroot.signal.recording import SHORT_GAP, Recording
+from bladeroot.signal.recording import SHORT_GAP, Recording, filled
 from bladeroot.variables import dataset
 
 FEWEST_CYCLES = 5  # of a decay that masks must leave for a curve
@@ -149,6 +150,25 @@ def bridged(
         if first > 0 and stop < velocity.size
     )
     return mended(seen, spans).velocity if spans else velocity
+
+
+def unspiked(recording: Recording, expected_Hz: float, first: int = 0) -> tuple[Recording, str]:
+    """A displacement or an acceleration whose single wrong samples count as lost; what is told.
+
+    A velocity is made of many of these samples: in it a wrong one is no longer single. first: the
+    sample from which on they are looked for.
+    """
+    x, rate = recording.samples, recording.sampling_Hz
+    if recording.quantity == "velocity" or _too_short(x.size, rate, expected_Hz):
+        return recording, ""
+    seen = Examined(x - x.mean(), rate, expected_Hz, 0.0, x, recording=recording)
+    found = spike.find(replace(seen, blind=((0, first), *seen.lost)))
+    if not found.counts:
+        return recording, ""
+    wrong = np.concatenate([np.arange(*span) for span in found.spans])
+    lost = np.union1d(recording.lost, wrong)
+    made = replace(recording, samples=filled(x, lost), lost=lost)
+    return made, f"{found.text.partition(';')[0]}; taken for lost"
 
 
 def carried(recording: Recording, expected_Hz: float) -> Recording:

@@ -39,6 +39,24 @@ class Recording:
     over: Int[ndarray, " over"] = field(default_factory=lambda: np.zeros(0, int))
 
 
+def filled(raw: ndarray, lost: Int[ndarray, " lost"]) -> ndarray:
+    """Samples with a spline through short gaps and straight lines through long ones."""
+    from scipy.interpolate import CubicSpline  # late: few records need it
+
+    from bladeroot.signal.lines import quantum
+
+    kept = np.delete(np.arange(raw.size), lost)
+    after = np.searchsorted(kept, lost)
+    before = raw[kept[np.maximum(after - 1, 0)]]
+    short = (kept[after] - kept[after - 1] <= SHORT_GAP + 1) & (after > 0)
+    course = np.interp(lost, kept, raw[kept])
+    course[short] = CubicSpline(kept, raw[kept])(lost[short])
+    step = quantum(raw[kept]) or 1.0  # in the digitiser's steps, which are looked for later
+    made = raw.copy()
+    made[lost] = before + step * np.round((course - before) / step)
+    return made
+
+
 def uncut(record: Recording, expected_Hz: float) -> Recording:
     """The recording; samples that were cut towards zero are corrected, with a note of it."""
     from bladeroot.signal.lines import not_cut  # late: the workflow reads units alone

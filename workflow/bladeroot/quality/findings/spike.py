@@ -63,8 +63,9 @@ def find(seen: Examined) -> Finding | None:
         # the largest miss is below the threshold, or no single sample
         return Finding(min(float(ratio.max()), THRESHOLD), THRESHOLD, "mask", "")
     where = ", ".join(f"{seen.seconds(first):.6g}" for first, _ in spans[:3])
+    count = "1 wrong sample" if len(spans) == 1 else f"{len(spans)} wrong samples"
     text = (
-        f"{len(spans)} wrong samples at {where}{' ...' if len(spans) > 3 else ''} s: up to "
+        f"{count} at {where}{' ...' if len(spans) > 3 else ''} s: up to "
         f"{largest:.3g} times the local noise off their neighbours; masked"
     )
     return Finding(largest, THRESHOLD, "mask", text, tuple(spans))
