@@ -13,7 +13,6 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Beside, Envelopes
-from bladeroot.quality.findings.mains_hum import MAINS_HZ, MAINS_WANDER
 from bladeroot.signal.lines import hann, lines_of
 
 # A quiet piece of the record is cut into parts, in which the line's phasors are compared.
@@ -22,10 +21,12 @@ FEWEST_PART_CYCLES = (2.0, 6.0)  # of the mode in a part: before the blow, after
 # A line is steady and well known if both of these are small, relative to its amplitude.
 MOST_SCATTER = 0.1  # rms scatter of the parts' phasors about their mean; about 1 in noise alone
 MOST_ERROR = 1.0  # standard error of the line carried through the decay
-# It is not the mode itself, which may decay ever more slowly, if one of these is reached. Only in a
-# line of the mains does the time after the decay count, by the slowest decay, STEADY_DECAY_RATIO.
-LEAST_TURNS = 1.0  # of its phase against that of the mode's later half, over the decay
-LEAST_FALL = 0.7  # of the mode's ln A in the time that the line stays
+# It is not the mode itself, which may decay ever more slowly, if its phase turns against that of the
+# mode's later half, or if it stays while the mode's ln A falls. After the decay it turns a little,
+# too, and the mode's fall counts over what the line's may be: rms scatter times the root of 12.
+LEAST_TURNS = 1.0  # over the decay
+LEAST_FALL = 0.7  # before a blow
+LITTLE_TURNS, LEAST_FALL_RATIO = 0.2, 50.0  # after the decay
 STEADY_DECAY_RATIO = 0.1  # of the mode's decay rate; what decays more slowly is a steady line
 REMARK = "a steady line at {:.6g} Hz ({:.2g} m/s) rings on beside the mode; taken off"
 
@@ -74,9 +75,12 @@ def steady_line(
         if not (off < MOST_SCATTER * abs(mean) and farthest < MOST_ERROR * abs(mean)):
             continue
         apart_Hz = abs(line - own_Hz - turn_Hz)
-        slowest = STEADY_DECAY_RATIO * _of_the_mains(line) if quiet[0].died else 1.0
-        stays = (middle[-1] - middle[0]) * decline * slowest
-        if apart_Hz * last < LEAST_TURNS * sampling_Hz and stays < LEAST_FALL:
+        turns, fall = apart_Hz * last / sampling_Hz, decline * (middle[-1] - middle[0])
+        stays = fall > LEAST_FALL
+        if quiet[0].died:
+            may_fall = np.sqrt(12.0) * off / abs(mean)
+            stays = turns > LITTLE_TURNS and fall > LEAST_FALL_RATIO * may_fall
+        if turns < LEAST_TURNS and not stays:
             return None  # the mode itself
         now = np.arange(x.size) / sampling_Hz
         wave = (mean * np.exp(2j * np.pi * line * now)).real
@@ -111,14 +115,6 @@ def _line(
     z, middle = _parts(quiet, line)
     off = float(np.sqrt(np.sum(np.abs(z - z.mean()) ** 2) / (z.size - 4)))
     return line, complex(z.mean()), off, middle
-
-
-def _of_the_mains(line_Hz: float) -> bool:
-    """Whether a line is where the mains' or one of its multiples may be."""
-    return any(
-        abs(line_Hz - max(round(line_Hz / mains), 1) * mains) < MAINS_WANDER * line_Hz
-        for mains in MAINS_HZ
-    )
 
 
 def _parts(
