@@ -21,6 +21,9 @@ MOST_NOISE_FRAMES = 4096  # over which the mean square is taken
 STRIKE_FRAMES = 16  # half cycles before it, with the largest of which it is compared
 STRIKE_FACTOR = 5.0  # ratio to that; noise in a frame of ten samples reaches it once in a million
 HARMFUL_PART = 0.005  # of the mode's amplitude; a smaller blow does no harm
+# Nor does what has gone soon and has not moved the mode: its log-phasor, by a step or a bend.
+STRIKE_GONE = 64  # half cycles
+STRIKE_MOVES = 0.02
 # The shaker's tip touches the beam again: a kink of the log-phasor (gains: `signal.turning.Kinks`).
 # It counts with TIP_GAIN and TIP_BARE_GAIN, or with TIP_ABRUPT_GAIN alone where it is abrupt.
 TIP_GAIN = 30.0  # over noise; more than `release.KINK_GAIN`, as every place of a record is tested
@@ -56,16 +59,34 @@ def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
     moved = np.zeros_like(seen.mean)
     moved[FRAME_STEPS:] = np.abs(seen.mean[FRAME_STEPS:] - seen.mean[:-FRAME_STEPS])
     struck = np.zeros(seen.level.size, bool)
+    own = HARMFUL_PART * np.exp(seen.level[STRIKE_FRAMES - 1 + lag :])
     for size in (seen.rest, moved):
         # the largest from each frame on
         before = maximum_filter1d(size, STRIKE_FRAMES, origin=-(STRIKE_FRAMES // 2))
         now = size[STRIKE_FRAMES - 1 + lag :]
-        usual = np.maximum(before[: now.size], white)
-        own = np.exp(seen.level[STRIKE_FRAMES - 1 + lag :])
-        struck[STRIKE_FRAMES - 1 + lag :] |= (now > STRIKE_FACTOR * usual) & (
-            now > HARMFUL_PART * own
-        )
-    return struck & ~np.concatenate([[False], struck[:-1]])
+        limit = np.maximum(STRIKE_FACTOR * np.maximum(before[: now.size], white), own)
+        over = now > limit
+        for k in np.flatnonzero(over & ~np.concatenate([[False], over[:-1]])):
+            first, later = STRIKE_FRAMES - 1 + lag + k, now[k : k + STRIKE_GONE] > limit[k]
+            struck[first] = not _unmoved(seen, first, first + int(np.flatnonzero(later)[-1]))
+    return struck
+
+
+def _unmoved(seen: Envelope, first: int, last: int) -> bool:
+    """Whether the mode goes on behind some frames as if nothing had been there.
+
+    Its log-phasor on either side is a parabola, with a step and a bend between.
+    """
+    lag = FRAME_STEPS // 2
+    begin, end = first - lag - STRIKE_FRAMES, last + lag + 1 + STRIKE_FRAMES
+    if last - first >= STRIKE_GONE - 1 or begin < 0 or end > seen.log.size:
+        return False
+    frame = np.arange(begin, end)
+    frame = frame[(frame < first - lag) | (frame > last + lag)]
+    x = (frame - 0.5 * (first + last)) / STRIKE_FRAMES
+    design = np.stack([np.ones(x.size), x, x**2, x > 0.0, np.maximum(x, 0.0)], axis=1)
+    change = np.linalg.lstsq(design, seen.log[frame], rcond=None)[0][3:]
+    return bool(np.abs(change).max() < STRIKE_MOVES)
 
 
 def find_end(
