@@ -1,5 +1,7 @@
 """From a recording to the judged free decay of one mode."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
@@ -20,6 +22,8 @@ from bladeroot.variables import dataset
 # Cycles of the mode by which two looks at its release differ at most: a frame.
 SMEARED = 3.0
 BLOW_CYCLES = 2.0  # of the mode, that a blow's contact lasts at most
+PADDED_CYCLES = 2.0  # of the mode: a record that stands still for longer at last has ended before
+PADDED = "nothing but one value from {:.4g} s on: the record is taken to end there"
 SEVERAL = "{} decays are in this record, the deepest is taken; from_s and to_s take each by itself"
 SHORT = (
     "the mode falls by a factor of {:.3g} only: this is a free decay if nothing drives it, and "
@@ -47,6 +51,7 @@ def free_decay(
     band_Hz: nothing but this band of the record is looked at. Attribute `crowded`: 1 for a record
     of more lines than are followed. ValueError: the band does not suit the record.
     """
+    recording, padded = _unpadded(recording, expected_Hz)
     recording, wrong = _unspiked(recording, expected_Hz)
     whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
@@ -55,7 +60,7 @@ def free_decay(
     steps = _steps(recording, expected_Hz)
     noise = _noise(recording, expected_Hz)
     seen = cut(clear, rate, expected_Hz, end, least=steps, noise=noise)
-    remarks += tuple(("reader", note) for note in whole.notes)
+    remarks += tuple(("reader", note) for note in (*whole.notes, *padded))
     remarks += (("spike", wrong),) if wrong else ()
     asked = expected_Hz, modes_Hz, recording
     decay = shortened(seen, clear, start_s, end_s)
@@ -98,6 +103,23 @@ def free_decay(
     remarks += _not_apart(parts.lines_Hz, expected_Hz, modes_Hz)
     judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
     return _with_widening(judged, parts).assign_attrs(crowded=int(parts.crowded))
+
+
+def _unpadded(recording: Recording, expected_Hz: float) -> tuple[Recording, tuple[str, ...]]:
+    """The recording without a last part that stands still, and a note of it.
+
+    It was switched off, or filled up with zeros: its end is no end of the mode.
+    """
+    x, rate = recording.samples, recording.sampling_Hz
+    moving = np.flatnonzero(x != x[-1]) if x.size else np.zeros(0, int)
+    count = int(moving[-1]) + 1 if moving.size else x.size
+    if x.size - count < PADDED_CYCLES * rate / expected_Hz:
+        return recording, ()
+    kept = {
+        name: one[one < count] for name, one in (("lost", recording.lost), ("over", recording.over))
+    }
+    note = PADDED.format(recording.start_s + count / rate)
+    return replace(recording, samples=x[:count], **kept), (note,)
 
 
 def _unspiked(recording: Recording, expected_Hz: float) -> tuple[Recording, str]:
