@@ -3,7 +3,7 @@
     python benchmarks/same_again.py CAMPAIGN [CAMPAIGN ...] [--only hum,noise]
 
 A measured record has no truth, but its curve must not hang on where the record begins, on its
-sampling frequency, a hum, a sensor's quantity, or a few wrong samples. Told are, for each change,
+sampling frequency, a hum or a tone, a knock, or a few wrong samples. Told are, for each change,
 curves that are lost and points that lie beyond three errors (of both curves) and beyond 500 ppm in
 frequency or 10 % in loss factor of the curve as it was. Some seconds a record. Noise that is added
 is new: three errors are passed by chance, too.
@@ -107,11 +107,42 @@ def another_mode(x, rate, mode_Hz, rng):
     return x + np.abs(x).max() * wave, rate
 
 
+def tone(x, rate, mode_Hz, rng):
+    """A steady line of 0.3 % of the peak, 4 % above the mode."""
+    time = np.arange(x.size) / rate
+    return x + 0.003 * np.abs(x).max() * np.sin(2 * np.pi * 1.04 * mode_Hz * time), rate
+
+
+def knock(x, rate, mode_Hz, rng):
+    """Noise of 1 % of the peak in 2 % of the record, from a quarter of it on."""
+    made, count = x.copy(), x.size // 50
+    made[x.size // 4 :][:count] += 0.01 * np.abs(x).max() * rng.standard_normal(count)
+    return made, rate
+
+
+def dropout(x, rate, mode_Hz, rng):
+    """Three cycles in which one value is held, 60 cycles after the first loud sample."""
+    made, first = x.copy(), int(np.argmax(np.abs(x) > 0.3 * np.abs(x).max()))
+    first = min(first + int(60.0 * rate / mode_Hz), x.size - 1)
+    made[first : first + int(3.0 * rate / mode_Hz)] = x[first]
+    return made, rate
+
+
+def drift(x, rate, mode_Hz, rng):
+    """A sensor that warms up: the peak once more, falling over a seventh of the record."""
+    return x + np.abs(x).max() * np.exp(-np.arange(x.size) / (0.15 * x.size)), rate
+
+
+def padded(x, rate, mode_Hz, rng):
+    """Zeros behind the record, 30 % of its length."""
+    return np.concatenate([x, np.zeros(int(0.3 * x.size))]), rate
+
+
 CHANGES: dict[str, Change] = {
     one.__name__: one
     for one in (
         hum, noise, pink_noise, sway, offset, half_rate, twice_the_rate, late, short, twelve_bits,
-        wrong_samples, another_mode,
+        wrong_samples, another_mode, tone, knock, dropout, drift, padded,
     )
 }  # fmt: skip
 

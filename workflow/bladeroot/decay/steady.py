@@ -21,9 +21,9 @@ FEWEST_PART_CYCLES = (2.0, 6.0)  # of the mode in a part: before the blow, after
 # A line is steady and well known if both of these are small, relative to its amplitude.
 MOST_SCATTER = 0.1  # rms scatter of the parts' phasors about their mean; about 1 in noise alone
 MOST_ERROR = 1.0  # standard error of the line carried through the decay
-# It is not the mode itself, which may decay ever more slowly, if its phase turns against that of the
-# mode's later half, or if it stays while the mode's ln A falls. After the decay it turns a little,
-# too, and the mode's fall counts over what the line's may be: rms scatter times the root of 12.
+# It is not the mode itself, which may decay ever more slowly, if its phase turns against that of
+# the mode's later half, or if it stays while the mode's ln A falls. After the decay it turns a
+# little, too, and the mode's fall counts over what the line's may be: rms scatter times root 12.
 LEAST_TURNS = 1.0  # over the decay
 LEAST_FALL = 0.7  # before a blow
 LITTLE_TURNS, LEAST_FALL_RATIO = 0.2, 50.0  # after the decay
