@@ -205,6 +205,17 @@ def test_steps_are_blurred_only_while_something_louder_rings():
     assert judged.attrs["end_reason"] == "the digitiser's steps"
 
 
+def test_a_curve_ends_where_what_blurs_the_steps_has_died():
+    velocity = blow([(80.0, 0.0015, 0.02), (297.0, 0.0005, 1.0)], length_s=12.0)
+    step = 5e-4
+    judged, found = curve(step * np.round(velocity / step), 80.0, (297.0,))
+    assert judged.attrs["end_reason"] == "the digitiser's steps"
+    assert 4.0 < judged.attrs["end_s"] < 6.0  # the mode has 8 steps at 2 s, the other one at 6 s
+    off = np.abs(found["frequency"].values - 80.0) / found["frequency_std"].values
+    assert off.size > 50
+    assert np.mean(off < 3.0) > 0.95
+
+
 def test_of_two_close_modes_each_is_the_one_that_is_meant():
     velocity = blow([(78.6, 0.0005, 0.03), (81.1, 0.0005, 0.05)], length_s=8.0)
     for expected_Hz, other_Hz, truth_Hz in ((79.9, 80.1, 78.6), (80.1, 79.9, 81.1)):
@@ -465,6 +476,34 @@ def test_a_mode_that_hardly_falls_at_last_is_no_steady_line():
     velocity += NOISE * np.random.default_rng(3).standard_normal(time.size)
     judged, _ = curve(velocity, 255.0)
     assert "steady-line" not in judged["finding_id"].values
+
+
+def test_zeros_behind_a_record_are_no_part_of_it():
+    velocity = blow([(250.0, 0.002, 0.02), (126.0, 0.002, 0.01)], length_s=1.0)
+    _, found = curve(velocity, 250.0, (126.0,))
+    judged, padded = curve(np.pad(velocity, (0, 3000)), 250.0, (126.0,))
+    assert "nothing but one value from 1 s on" in judged.attrs["findings"]
+    assert found.sizes["point"] > 100
+    for name in ("amplitude", "frequency", "loss_factor"):
+        assert np.array_equal(padded[name], found[name])
+
+
+@pytest.mark.parametrize(("size", "verdict"), [(0.0, "usable"), (0.1, "rejected")])
+def test_a_knock_ends_a_decay_only_where_it_moves_the_mode(size, verdict):
+    """The mode falls by 3.4 in all, by too little for a decay on either side of the knock."""
+    velocity = blow([(122.0, 0.0008, 0.02)], before_s=0.0, length_s=2.0)
+    velocity += 0.01 * size * blow([(122.0, 0.0008, 1.0)], before_s=1.0, length_s=2.0)
+    rng = np.random.default_rng(5)
+    velocity[6400:6700] += 2e-4 * rng.standard_normal(300)
+    judged, found = curve(velocity, 122.0)
+    assert judged.attrs["verdict"] == verdict
+    if not size:
+        assert judged.attrs["end_reason"] == "end of the record"
+        clear = (
+            np.abs(np.log(found["amplitude"].values / np.median(found["amplitude"].values))) > 0.2
+        )
+        assert clear.sum() > 50
+        assert np.abs(found["loss_factor"].values[clear] / 0.0016 - 1.0).max() < 0.02
 
 
 @pytest.mark.parametrize("line_Hz", [250.14, 252.4])

@@ -86,9 +86,10 @@ def free_decay(
     if struck or unclipped or not lone:
         freed = cut(parts.velocity, rate, expected_Hz, end, release, steps, noise)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
-        after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
-        if np.std(clear[after] - parts.velocity[after]) > steps:
-            freed = cut(parts.velocity, rate, expected_Hz, end, release, 0.0, noise)
+        blurred = _blurred(clear, parts.velocity, freed, steps, expected_Hz)
+        freed = cut(parts.velocity[:blurred], rate, expected_Hz, end, release, 0.0, noise)
+        if blurred < parts.velocity.size and freed.attrs["end_reason"] == "end of the record":
+            freed.attrs["end_reason"] = STEPPED
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
     if freed.sizes["time"] < 2 * reach:
@@ -177,6 +178,25 @@ def _let_go(
     early = decay.attrs["start_s"] - own.attrs["start_s"] > SMEARED / expected_Hz
     start_s = (decay if early else own).attrs["start_s"]
     return round(start_s * sampling_Hz) if driven else 0
+
+
+def _blurred(
+    velocity: Float[ndarray, " sample"],
+    own: Float[ndarray, " kept"],
+    decay: xr.Dataset,
+    steps: float,
+    expected_Hz: float,
+) -> int:
+    """Samples until what rings beside the mode blurs a digitiser's steps no more.
+
+    own: the mode by itself. decay: its decay down to these steps (m/s).
+    """
+    rate = decay.attrs["sampling_Hz"]
+    last, count = round(decay.attrs["end_s"] * rate) + 1, round(SMEARED * rate / expected_Hz)
+    beside = velocity[last : own.size] - own[last:]
+    power = np.mean(beside[: beside.size // count * count].reshape(-1, count) ** 2, axis=1)
+    clear = np.flatnonzero(power <= steps**2)
+    return last + int(clear[0]) * count if clear.size else own.size
 
 
 def _clipped(
