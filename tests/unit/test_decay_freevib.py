@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import acting, beats, driven, freevib, no_decay, surely_known
+from bladeroot.decay.freevib import acting, beats, driven, freevib, gains, no_decay, surely_known
 from bladeroot.plateau.plateau import plateau
 from bladeroot.signal.phasors import Phasors, natural
 from decay_bench import START, backbone, ring_down, ringing, separated_curves, slider
@@ -495,3 +495,28 @@ def test_curves_do_not_hang_on_the_unit_of_the_velocity(unit):
     for name in ("time", "frequency", "frequency_std", "loss_factor", "loss_factor_std"):
         np.testing.assert_allclose(other[name], made[name], rtol=1e-6, err_msg=name)
     np.testing.assert_allclose(other["amplitude"], unit * made["amplitude"], rtol=1e-6)
+
+
+def test_where_a_mode_gains_its_rates_are_as_wrong_as_that():
+    growth, std = np.full(40, -2.0), np.full(40, 0.1)
+    growth[18:21] = 0.29, 0.5, 0.31  # within three errors at first
+    growth[5] = 0.2
+    error = gains(growth, std)
+    expected = np.zeros(40)
+    expected[15:25] = 0.5  # two points that gain, and four on either side
+    assert np.array_equal(error, expected)
+    assert not gains(np.full(4, -1.0), np.full(4, 0.1)).any()
+    assert np.array_equal(gains(np.ones(4), np.full(4, 0.1)), np.ones(4))
+
+
+def test_what_gains_in_the_middle_of_a_curve_is_not_given():
+    """A second mode that dies sooner draws the mode down and lets it rise again, as a beat does."""
+    rate = 2000.0
+    time = np.arange(int(3.0 * rate)) / rate
+    own = 0.01 * np.exp(-0.5 * time) * np.exp(2j * np.pi * 100.0 * time)
+    other = -0.009 * np.exp(-6.0 * time) * np.exp(2j * np.pi * 101.0 * time)
+    velocity = (own + other).real + 1e-5 * np.random.default_rng(1).standard_normal(time.size)
+    found = freevib(velocity, rate, 100.0, 1e-5)
+    loss, error = found["loss_factor"].values, found["loss_factor_std"].values
+    assert found.sizes["point"] > 50
+    assert (loss > -3.0 * error).all()

@@ -12,6 +12,7 @@ from scipy.signal import find_peaks
 from bladeroot.decay.track import LEAST_NOISE_RATIO, Taken, follow
 from bladeroot.signal.lines import LOUD_CYCLES, magnitudes, mode_Hz
 from bladeroot.signal.phasors import Phasors, natural
+from bladeroot.signal.runs import runs
 from bladeroot.variables import dataset, names
 
 POINTS = 500  # of the curves at most
@@ -29,6 +30,10 @@ PLAIN = 2.0  # fall of ln A in all those blocks, beyond which no law is a parabo
 STEEPEST = 2.0
 DRIVEN_FALL = 0.3  # of ln A from the start, in which it is looked for
 DRIVEN_ERRORS = 3.0  # standard errors by which the damping is too small
+
+# A free mode gains nothing (`gains`).
+GAIN_ERRORS = 3.0  # standard errors by which it does where another one is followed, or acts on it
+GAIN_REACH = 2  # times their number, points on either side that are as wrong
 
 # What does not fall by either of these in all is a steady tone.
 STEADY = 0.02  # of ln A
@@ -129,6 +134,7 @@ def freevib(
         sways = [waves(value[0, 0], *one) for one in zip(rates, error, strict=True)]
         std[order] = np.hypot(error, np.maximum(sways, beats(value[0, 0], rates, error)))
     unsure = np.interp(centre, blocks.time, acting(blocks))
+    unsure = np.hypot(unsure, gains(value[1, 0], std[1, 0]))
     std[1] = np.hypot(std[1], np.hypot(unsure, driven(value[0, 0], -value[1, 0], std[1, 0])))
     since = np.linspace(0, own.size - 1, count) / START_BLOCKS
     std[1:] = np.exp(np.maximum.accumulate(np.log(std[1:]) + since, axis=-1) - since)
@@ -274,6 +280,21 @@ def _missed(blocks: Phasors, first: int, count: int) -> tuple[Complex[ndarray, "
     variance += (BENDS * np.abs(bent - straight)[early]) ** 2
     missed = 0.5 * np.abs(bent[early]) ** 2 / variance
     return bent[early], float(np.mean(missed[: (count + 1) // 2]))
+
+
+def gains(
+    growth: Float[ndarray, " point"], std: Float[ndarray, " point"]
+) -> Float[ndarray, " point"]:
+    """Standard error of either rate (1/s) where a mode gains, as no free one does.
+
+    growth: the rate at which ln A rises (1/s); std: its standard error.
+    """
+    error = np.zeros(growth.size)
+    for first, stop in runs(growth > GAIN_ERRORS * std):
+        reach = GAIN_REACH * (stop - first)
+        near = slice(max(first - reach, 0), stop + reach)
+        error[near] = np.maximum(error[near], growth[first:stop].max())
+    return error
 
 
 def driven(
