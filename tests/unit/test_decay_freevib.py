@@ -509,14 +509,12 @@ def test_where_a_mode_gains_its_rates_are_as_wrong_as_that():
     assert np.array_equal(gains(np.ones(4), np.full(4, 0.1)), np.ones(4))
 
 
-def test_what_gains_in_the_middle_of_a_curve_is_not_given():
-    """A second mode that dies sooner draws the mode down and lets it rise again, as a beat does."""
+def test_a_second_mode_that_dies_sooner_and_lets_the_envelope_rise_is_in_the_errors():
     rate = 2000.0
-    time = np.arange(int(3.0 * rate)) / rate
-    own = 0.01 * np.exp(-0.5 * time) * np.exp(2j * np.pi * 100.0 * time)
-    other = -0.009 * np.exp(-6.0 * time) * np.exp(2j * np.pi * 101.0 * time)
-    velocity = (own + other).real + 1e-5 * np.random.default_rng(1).standard_normal(time.size)
+    time = np.arange(int(rate)) / rate
+    own = 0.01 * np.exp(-0.5 * time) * np.cos(2.0 * np.pi * 100.0 * time)
+    other = 0.02 * np.exp(-5.0 * time) * np.cos(2.0 * np.pi * 101.0 * time)
+    velocity = own + other + 1e-5 * np.random.default_rng(1).standard_normal(time.size)
     found = freevib(velocity, rate, 100.0, 1e-5)
-    loss, error = found["loss_factor"].values, found["loss_factor_std"].values
     assert found.sizes["point"] > 50
-    assert (loss > -3.0 * error).all()
+    assert (found["loss_factor"] > -3.0 * found["loss_factor_std"]).all()
