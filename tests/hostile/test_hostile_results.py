@@ -16,6 +16,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -579,6 +580,10 @@ def test_results_that_may_only_be_read_are_looked_at(folder, tiny):
     assert "Traceback" not in said
 
 
+@pytest.mark.skipif(
+    find_spec("snakemake_executor_plugin_slurm") is not None,
+    reason="Snakemake loads all its plugins, and that for Slurm loads pandas",
+)
 def test_a_plan_does_not_load_the_library_of_tables(folder, tiny):
     """Which Snakemake asks of each parameter whether it is one."""
     plan = [sys.executable, "-X", "importtime", "-m", "snakemake", "-n", "--quiet", "all"]

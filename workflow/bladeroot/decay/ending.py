@@ -67,7 +67,7 @@ def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
         limit = np.maximum(STRIKE_FACTOR * np.maximum(before[: now.size], white), own)
         over = now > limit
         for k in np.flatnonzero(over & ~np.concatenate([[False], over[:-1]])):
-            first, later = STRIKE_FRAMES - 1 + lag + k, now[k : k + STRIKE_GONE] > limit[k]
+            first, later = STRIKE_FRAMES - 1 + lag + int(k), now[k : k + STRIKE_GONE] > limit[k]
             struck[first] = not _unmoved(seen, first, first + int(np.flatnonzero(later)[-1]))
     return struck
 
