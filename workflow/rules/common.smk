@@ -266,6 +266,11 @@ def settings(section):
     return canonical_json(config[section])
 
 
+def pieces(text, most=30_000):
+    """A text as arguments of a command line, each short enough for Linux (131,072 bytes)."""
+    return [text[k : k + most] for k in range(0, len(text), most)]
+
+
 wildcard_constraints:
     campaign="[A-Za-z0-9][A-Za-z0-9_-]*",
     record="[A-Za-z0-9][A-Za-z0-9_-]*",

@@ -36,7 +36,9 @@ rule observations:
     resources:
         **needs("observations"),
     params:
-        settings=lambda w: canonical_json(observation_facts(CAMPAIGNS[w.campaign])),
+        settings=lambda w: pieces(
+            canonical_json(observation_facts(CAMPAIGNS[w.campaign]))
+        ),
         code=code("observations"),
     message:
         "all records of {wildcards.campaign} as the diagnosis takes them"

@@ -8,7 +8,7 @@ from bladeroot.diagnosis.observations import observations
 
 
 def main(stick, batches, integrity, settings, output):
-    measured = artifacts.load(stick)
+    measured, settings = artifacts.load(stick), "".join(settings)
     seen = observations(
         measured,
         artifacts.load_records(batches, "decay", without=("pff_*",)),
@@ -24,6 +24,6 @@ if __name__ == "__main__":
         stick="stick.nc",
         batches="any: lists of the records in each batch, where there are records",
         integrity="any: integrity.nc, where there are records",
-        settings="load (same_everywhere, of_reading, scale), laser_x (m), time (s) (JSON)",
+        settings="many: pieces of JSON: load (same_everywhere, of_reading, scale), laser_x, time",
         output="observations.nc",
     )
