@@ -153,6 +153,11 @@ def test_a_steady_tone_is_no_decay():
     slow = tone * np.exp(-0.05 * time)  # a loss factor of 6e-5
     curve = freevib(slow, 25600.0, 247.0, 1e-5)
     assert np.median(curve["loss_factor"]) == pytest.approx(0.1 / (2 * np.pi * 250.0), rel=0.05)
+    # of few cycles, what was taken off leaves the amplitude unsure by more than they fall
+    few = slice(4000)
+    taken = time[few][[0, -1]], np.ones(2), np.full(2, 0.4)
+    with pytest.raises(ValueError, match=r"falls by a factor of 1.0\d+ .* no decay is seen"):
+        freevib((tone * np.exp(-0.5 * time))[few], 25600.0, 247.0, 1e-5, taken=taken)
 
 
 def test_what_a_blow_leaves_in_the_first_cycle_is_no_part_of_the_curve():

@@ -35,9 +35,9 @@ DRIVEN_ERRORS = 3.0  # standard errors by which the damping is too small
 GAIN_ERRORS = 3.0  # standard errors by which it does where another one is followed, or acts on it
 GAIN_REACH = 2  # times their number, points on either side that are as wrong
 
-# What does not fall by either of these in all is a steady tone.
-STEADY = 0.02  # of ln A
-STEADY_ERRORS = 3.0  # standard errors of ln A
+# The fall of ln A in all that a decay needs.
+STEADY = 0.02  # of less, it is a steady tone
+STEADY_ERRORS = 3.0  # standard errors of ln A: of less, nothing says that it falls
 
 # Which points are given.
 FREQUENCY_KNOWN = 0.005  # standard error over frequency: beyond, noise or another mode is followed
@@ -137,7 +137,8 @@ def freevib(
     unsure = np.hypot(unsure, gains(value[1, 0], std[1, 0]))
     std[1] = np.hypot(std[1], np.hypot(unsure, driven(value[0, 0], -value[1, 0], std[1, 0])))
     since = np.linspace(0, own.size - 1, count) / START_BLOCKS
-    std[1:] = np.exp(np.maximum.accumulate(np.log(std[1:]) + since, axis=-1) - since)
+    worse = np.log(np.maximum(std[1:], 1e-300)) + since
+    std[1:] = np.exp(np.maximum.accumulate(worse, axis=-1) - since)
     amplitude_std = amplitude * std[0, 0]
     frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
@@ -156,8 +157,16 @@ def freevib(
     if known.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
         keep[: known[0]] = keep[known[-1] + 1 :] = False
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
-    if np.ptp(value[0, 0][keep]) < max(STEADY, STEADY_ERRORS * float(np.median(std[0, 0][keep]))):
+    fall = float(np.ptp(value[0, 0][keep]))
+    if fall < STEADY:
         raise ValueError(f"what rings at {middle_Hz:.6g} Hz does not decay: a steady tone")
+    unsure = STEADY_ERRORS * float(np.median(std[0, 0][keep]))
+    if fall < unsure:
+        raise ValueError(
+            f"what rings at {middle_Hz:.6g} Hz falls by a factor of {np.exp(fall):.3g} where its "
+            f"frequency is known, and its amplitude is known to one of {np.exp(unsure):.3g} only: "
+            "no decay is seen"
+        )
     if not band[0] <= middle_Hz <= band[1]:
         raise ValueError(
             f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "
