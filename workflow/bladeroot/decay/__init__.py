@@ -3,7 +3,9 @@
 In: a recording. Out: the free decay of one mode (`free_decay`), its curves with a second opinion
 and its plateau (`record`, which is the file to read first, and alone knows files). `cut` chooses a
 decay, which begins by `release` and ends by `ending`; `components` takes off what else rings (far
-from the mode: `component_lines`; near it: `steady`, `harmonic`, `twofold`), `track` follows the
-mode (noise that shakes it: `shaken`), `freevib` makes the curves (3.1 to 3.13), `pff` the second
-opinion, which `agreement` compares. What a person overrules is done in `overrides`.
+from the mode: `component_lines`; near it: a tone that does not decay, `steady`, a louder mode's
+`harmonic`, a second mode that dies before the two beat, `twofold`), `track` follows the mode
+(blocks that a knock threw off get larger errors; noise that shakes the mode: `shaken`), `freevib`
+makes the curves (3.1 to 3.13) and their errors, `pff` the second opinion by peak fitting, which
+`agreement` compares. What a person overrules is done in `overrides`.
 """

@@ -1,6 +1,7 @@
 """Whether a record can be trusted: one check a file in `findings`, judged together in `integrity`.
 
 In: a recording and the decay cut from it. Out: the decay with its findings and the mask of usable
-samples. Read `integrity` first; `examined` is what every check looks at. A new check is a file of
-`findings`, whose first page says what it must define; its threshold stands there.
+samples. Read `integrity` first; `examined` is what every check looks at: the samples of one record,
+not its load (records are compared in `pooling`). A new check is a file of `findings`, whose first
+page says what it must define; its threshold stands there.
 """

@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+EXAMPLE = "high-pass 0.5 Hz"
+
 
 def undone(
     samples: Float[ndarray, " sample"], sampling_Hz: float, corner_Hz: float
