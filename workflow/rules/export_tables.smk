@@ -1,10 +1,11 @@
-# Asked for by name: curves, stick frequencies and verdict for other programs.
+# Asked for by name: records, curves, stick frequencies and verdict for other programs.
 
 
 rule export_tables:
     input:
         stick=rules.stick.output.stick,
         decays=of_records("decay"),
+        curves=if_records(rules.curves.output.curves),
         verdict=with_structure(rules.verdict.output.verdict),
     output:
         folder=directory("results/{campaign}/export"),

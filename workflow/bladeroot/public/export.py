@@ -1,6 +1,8 @@
 """A campaign's curves, stick frequencies and verdict as CSV, MATLAB and universal file."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +11,15 @@ import xarray as xr
 
 from bladeroot import artifacts
 from bladeroot.files import save_text, whole_file
-from bladeroot.loads import value_of
+from bladeroot.loads import AXIAL_FORCE, value_of
 
 # Of a record's curve, a column each; damping as loss factor and, half of it, as damping ratio.
 CURVE = ("time", "amplitude", "frequency", "frequency_std", "loss_factor", "loss_factor_std")
 UNITS = {"s": "s", "m": "m", "Hz": "Hz", "1": ""}
-# MATLAB's names of variables hold so many letters.
-_MATLAB_NAME = 31
+# What the sheet says of a record; what none of them has is left out.
+RECORD = ("mode", "group", "sensor", "event", "hold", "direction")
+# MATLAB's names of fields hold so many letters.
+_MATLAB_NAME = 63
 # Bytes of text at the head of a MATLAB file.
 _MATLAB_HEAD = 116
 
@@ -25,8 +29,11 @@ def export(results: str | Path, folder: str | Path) -> list[Path]:
 
     Args:
         results: the campaign's folder in `results/`.
-        folder: where `curves.csv`, `stick.csv`, `stick_pooled.csv`, `verdict.csv`, `results.mat`
-            (the same tables as structs) and `curves.uff` (a dataset 58 a record and quantity) go.
+        folder: where these go: `records.csv` (what is known of each, its findings and what a person
+            overruled among them), `curves.csv` (a row a record's point), `curves_mean.csv` (a row
+            an amplitude of a level, with its errors), `curves_levels.csv` (a level's change per
+            decade of amplitude), `stick.csv`, `stick_pooled.csv`, `verdict.csv`, `results.mat` (the
+            same tables as structs) and `curves.uff` (a dataset 58 a record and quantity).
 
     Returns:
         The files written; none of what the results do not have.
@@ -44,7 +51,7 @@ def export(results: str | Path, folder: str | Path) -> list[Path]:
         save_text(table.to_csv(index=False, lineterminator="\n"), written[-1])
     written.append(folder / "results.mat")
     _save_matlab(tables, written[-1])
-    if "curves" in tables:
+    if len(tables.get("curves", ())):
         written.append(folder / "curves.uff")
         _save_universal(tables["curves"], written[-1])
     return written
@@ -57,7 +64,11 @@ def _tables(results: Path) -> Iterator[tuple[str, pd.DataFrame]]:
         # what a removed record left in results/ is not the campaign's
         places = [place for place in places if place.stem in stick["record"].values]
     if places:
-        yield "curves", curve_table([artifacts.load(place) for place in places])
+        decays = [artifacts.load(place) for place in places]
+        yield "records", record_table(decays)
+        yield "curves", curve_table(decays)
+    if (results / "curves.nc").is_file():
+        yield from _mean_tables(artifacts.load(results / "curves.nc"))
     if stick is not None:
         for name, dim in (("stick", "record"), ("stick_pooled", "level")):
             if dim in stick.dims:
@@ -68,23 +79,61 @@ def _tables(results: Path) -> Iterator[tuple[str, pd.DataFrame]]:
         yield "verdict", pd.DataFrame(list(_leaves(said)), columns=["entry", "value"])
 
 
+def record_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:
+    """What is known of each record (`decay/<record>.nc`) beside its curve, a row a record."""
+    return pd.DataFrame(
+        {
+            "record": decay.attrs["record"],
+            **_facts(decay, RECORD),
+            _load(decay.attrs, "force"): value_of(decay.attrs),
+            **_facts(decay, ("quantity", "verdict", "reason", "findings")),
+        }
+        for decay in decays
+    ).pipe(_known)
+
+
 def curve_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:
     """Curves of records (`decay/<record>.nc`) as one table, a row a point, units in the header."""
     parts = []
     for decay in decays:
-        columns = {
-            name: np.full(decay.sizes["point"], decay.attrs[name], dtype=object)
-            for name in ("record", "mode")
-        }
-        load = _with_unit("force", decay.attrs.get("load_unit", "N"))
-        columns[load] = np.full(decay.sizes["point"], value_of(decay.attrs))
+        facts = {"record": decay.attrs["record"], **_facts(decay, ("mode", "group", "sensor"))}
+        facts[_load(decay.attrs, "force")] = value_of(decay.attrs)
+        points = {}
         for name in CURVE:
             unit = UNITS[decay[name].attrs["units"]]
-            columns[f"{name}_{unit}".rstrip("_")] = decay[name].values
-        columns["damping_ratio"] = 0.5 * decay["loss_factor"].values
-        columns["damping_ratio_std"] = 0.5 * decay["loss_factor_std"].values
-        parts.append(pd.DataFrame(columns))
-    return pd.concat(parts, ignore_index=True)
+            points[f"{name}_{unit}".rstrip("_")] = decay[name].values
+        points["damping_ratio"] = 0.5 * decay["loss_factor"].values
+        points["damping_ratio_std"] = 0.5 * decay["loss_factor_std"].values
+        parts.append(pd.DataFrame(points).assign(**facts)[[*facts, *points]])
+    return _known(pd.concat(parts, ignore_index=True))
+
+
+def _mean_tables(curves: xr.Dataset) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Mean curves of levels (`curves.nc`), and what is known of each as a whole."""
+    whole = [name for name, one in curves.data_vars.items() if one.dims == ("level", "amplitude")]
+    points = curves[whole].to_dataframe().reset_index().drop(columns="level", errors="ignore")
+    points = points[points["records"] > 0].reset_index(drop=True)
+    units = {name: _with_unit(name, curves[name].attrs.get("units", "")) for name in points}
+    load = {"force": _load(curves.attrs, "force")}
+    own = ["mode", "force", "group", "sensor", "amplitude"]
+    yield "curves_mean", _known(points[[*own, *whole]].rename(columns=units | load))
+    levels = _table_over(curves.drop_vars("amplitude"), "level")
+    told = curves[own[:-1]].to_dataframe().reset_index(drop=True).rename(columns=load)
+    yield (
+        "curves_levels",
+        _known(pd.concat([told[[load.get(n, n) for n in own[:-1]]], levels], axis=1)),
+    )
+
+
+def _facts(decay: xr.Dataset, names: Sequence[str]) -> dict[str, str]:
+    """Facts of a record, empty where it has none."""
+    return {name: str(decay.attrs.get(name, "")) for name in names}
+
+
+def _known(table: pd.DataFrame) -> pd.DataFrame:
+    """A table without the columns in which nothing stands: no load, no groups, one sensor."""
+    empty = [n for n in table if n == "" or (len(table) and table[n].isin(["", None]).all())]
+    return table.drop(columns=empty)
 
 
 def _table_over(dataset: xr.Dataset, dim: str) -> pd.DataFrame:
@@ -96,9 +145,16 @@ def _table_over(dataset: xr.Dataset, dim: str) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
+def _load(facts: Mapping, column: str) -> str:
+    """The load's column: `force_N`, or what a campaign calls it; empty where there is none."""
+    name, unit = str(facts.get("load_name", AXIAL_FORCE)), facts.get("load_unit", "N")
+    named = column if name == AXIAL_FORCE else name.replace(" ", "_")
+    return _with_unit(named, unit) if name else ""
+
+
 def _with_unit(name: str, unit: str) -> str:
     """A column's name, with its unit where it has one."""
-    return name if unit in ("", "1") else f"{name}_{unit.replace('/', '_per_')}"
+    return name if unit in ("", "1") else f"{name}_{unit.replace('/', '_per_').replace(' ', '_')}"
 
 
 def _leaves(node: object, place: str = "") -> Iterator[tuple[str, object]]:
@@ -116,23 +172,41 @@ def _many(node: object) -> bool:
 
 
 def _save_matlab(tables: Mapping[str, pd.DataFrame], path: Path) -> None:
-    """Each table as a struct of columns: numbers as vectors, text as cells."""
+    """Each table as a struct of columns: numbers as vectors, text as cells. MATLAB's names are
+    letters and figures; `columns` has the names as they are in the CSV files.
+    """
     from scipy.io import savemat
 
-    structs = {}
+    structs: dict = {"columns": {name: _cells(table.columns) for name, table in tables.items()}}
     for name, table in tables.items():
         columns = {}
         for column in table:
             values = table[column].to_numpy()
             if values.dtype.kind not in "fiub":
-                values = np.array([str(value) for value in values], dtype=object)
-            columns[column[:_MATLAB_NAME]] = values
+                values = _cells(values)
+            columns[_plain(column)[:_MATLAB_NAME]] = values
         structs[name] = columns
     with whole_file(path) as part, part.open("wb") as file:
-        savemat(file, structs, oned_as="column")
+        savemat(file, structs, oned_as="column", long_field_names=True)
         # MATLAB's head of text, which has the time of day: the same results are the same bytes
         file.seek(0)
         file.write(b"MATLAB 5.0 MAT-file, bladeroot".ljust(_MATLAB_HEAD))
+
+
+def _cells(values: Iterable) -> np.ndarray:
+    return np.array([str(value) for value in values], dtype=object)
+
+
+def _plain(name: str) -> str:
+    """A name in letters, figures and underscores."""
+    parts = unicodedata.normalize("NFKD", name.replace("%", "percent"))
+    letters = "".join(one for one in parts if not unicodedata.combining(one))
+    return re.sub(r"[\W_]+", "_", letters).encode("ascii", "ignore").decode()
+
+
+def _ascii(text: str) -> str:
+    """Text of a universal file, whose lines hold 80 ASCII characters."""
+    return unicodedata.normalize("NFKD", text).encode("ascii", "replace").decode()[:80]
 
 
 def _save_universal(curves: pd.DataFrame, path: Path) -> None:
@@ -140,18 +214,22 @@ def _save_universal(curves: pd.DataFrame, path: Path) -> None:
     import pyuff
 
     sets = []
-    load = next(column for column in curves if column.partition("_")[0] == "force")
+    known = list(curves.columns)
+    load = known[known.index("time_s") - 1]
+    load = "" if load in ("record", "mode", "group", "sensor") else load
     for (record, mode), rows in curves.groupby(["record", "mode"], sort=True):
         for column, label, unit in (
             ("frequency_Hz", "frequency over amplitude", "Hz"),
+            ("frequency_std_Hz", "standard error of the frequency over amplitude", "Hz"),
             ("loss_factor", "loss factor over amplitude", "NONE"),
+            ("loss_factor_std", "standard error of the loss factor over amplitude", "NONE"),
         ):
             order = np.argsort(rows["amplitude_m"].to_numpy())
             sets.append(
                 pyuff.prepare_58(
                     binary=0,
-                    id1=f"{record} {mode}: {label}",
-                    id2=f"{load.replace('_', ' in ', 1)} {rows[load].iloc[0]:g}",
+                    id1=_ascii(f"{record} {mode}: {label}"),
+                    id2=_ascii(f"{load} {rows[load].iloc[0]:g}") if load else "NONE",
                     func_type=0,
                     rsp_node=1,
                     rsp_dir=0,
