@@ -9,6 +9,7 @@ import yaml
 from bladeroot import artifacts
 from bladeroot.command.main import COMMANDS, main
 from bladeroot.command.new import description
+from bladeroot.command.results import refuse_another
 from bladeroot.command.run import followed, settings_among
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.read import channels, read
@@ -282,6 +283,21 @@ def test_explain_says_what_the_report_says(tmp_path, monkeypatch):
     assert done.exit_code == 1
     assert len(done.stderr.strip().splitlines()) == 1
     assert "Traceback" not in done.output
+
+
+def test_results_of_another_folder_of_that_name_are_not_written_over(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for place in ("made", "other/made"):
+        (tmp_path / place).mkdir(parents=True)
+        (tmp_path / place / "campaign.yaml").write_text("title: made\n")
+    known = tmp_path / "results" / "made" / "report" / "provenance.json"
+    artifacts.save_json({"command": "bladeroot run made"}, known)
+    refuse_another(tmp_path / "made")
+    refuse_another(tmp_path / "made" / ".." / "made")
+    with pytest.raises(ValueError, match="results/made are the results of made"):
+        refuse_another(tmp_path / "other" / "made")
+    (tmp_path / "made" / "campaign.yaml").unlink()  # it has moved there
+    refuse_another(tmp_path / "other" / "made")
 
 
 def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():

@@ -12,7 +12,8 @@ QUANTITIES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
 
 def test_what_is_too_uncertain_to_be_drawn_is_a_gap():
     made = curves()
-    made["frequency_std"][1, 20:40] = 100.0
+    made["frequency_std"][:] = 100.0  # that of the level hides nothing
+    made["frequency_change_std"][1, 20:40] = 100.0
     lines = [one for one in curve_figures.means(made).traces if one.line and one.panel == 0]
     assert [int(np.isnan(one.y).sum()) for one in lines] == [0, 20]
 

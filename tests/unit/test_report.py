@@ -16,6 +16,7 @@ from bladeroot.report.score import score
         (percent(-1e-9), "0.0 %"),
         (fixed(np.nan, 2), NONE),
         (significant(0.0012345, 2), "0.0012"),
+        (significant(0.9962, 2), "1.0"),
         (significant(1234567.0, 3), "1\u202f234\u202f567"),
         (significant(0.0), "0"),
         (significant(3.2e-9, 2), "3.2·10⁻⁹"),

@@ -100,8 +100,10 @@ def test_curves_are_compared_where_no_plateau_is_reached(side):
         {
             "frequency": (shape, [100.0 - 1e4 * amplitude]),
             "frequency_std": (shape, np.full((1, 7), 1e-3)),
+            "frequency_change_std": (shape, np.full((1, 7), 1e-4)),
             "loss_factor": (shape, [[np.nan, *np.full(6, 0.01)]]),
             "loss_factor_std": (shape, np.full((1, 7), 1e-4)),
+            "loss_factor_change_std": (shape, np.full((1, 7), 1e-5)),
         },
         {"mode": ("level", ["m1"]), "force": ("level", [0.0]), "sensor": ("level", ["top"]),
          "amplitude": amplitude},

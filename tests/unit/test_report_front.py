@@ -91,7 +91,8 @@ def test_without_a_plateau_the_curves_have_frequency_and_damping(stages):
     stages["curves"] = xr.Dataset(
         {
             "frequency": (("level", "amplitude"), [[1400.0, 1390.0]]),
-            "frequency_std": (("level", "amplitude"), [[0.1, 0.1]]),
+            "frequency_std": (("level", "amplitude"), [[9.0, 9.0]]),
+            "frequency_change_std": (("level", "amplitude"), [[0.1, 0.1]]),
             "loss_factor": (("level", "amplitude"), [[4e-3, 5e-3]]),
             "loss_factor_std": (("level", "amplitude"), [[1e-5, 1e-5]]),
         },

@@ -63,8 +63,9 @@ def test_levels_whose_records_all_have_a_plateau_are_left_to_its_table():
     ("low", "high", "told"),
     [
         (7.29, 7.34, "above 7.28; between 7.29 and 7.34 at 95 %, if the law goes on"),
-        (7.27, 7.34, "above 7.28; up to 7.34 at 95 %, if the law goes on"),
-        (7.10, 7.29, "below 7.28; down to 7.10 at 95 %, if the law goes on"),
+        (7.27, 7.34, "near 7.28; between 7.27 and 7.34 at 95 %, if the law goes on"),
+        (7.10, 7.29, "near 7.28; between 7.10 and 7.29 at 95 %, if the law goes on"),
+        (7.10, 7.27, "below 7.28; between 7.10 and 7.27 at 95 %, if the law goes on"),
         (7.20, 7.36, "near 7.28; between 7.20 and 7.36 at 95 %, if the law goes on"),
         (np.nan, np.nan, "beyond 7.28"),
     ],

@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from bladeroot.command.check import tell_warnings
+from bladeroot.command.results import refuse_another
 from bladeroot.io.campaign import load_campaign
 from bladeroot.runs import system_fault
 
@@ -39,6 +40,7 @@ def command(campaign: Path, jobs: int, options: tuple[str, ...]) -> None:
     snakefile = CHECKOUT / "Snakefile"
     if not snakefile.is_file():
         raise ValueError(f"the workflow is not part of the library; expected a clone's {snakefile}")
+    refuse_another(campaign)
     tell_warnings(load_campaign(campaign))
     settings, others = settings_among(options)
     asked = [

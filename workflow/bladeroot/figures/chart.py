@@ -114,7 +114,11 @@ def thinned(count: int) -> ndarray:
 
 
 def sure(curves: xr.Dataset, name: str) -> ndarray:
-    """Values of a curve, NaN where their relative standard error exceeds what is drawn."""
+    """Values of a curve, NaN where their relative standard error exceeds what is drawn.
+
+    Of a mean curve that is the error of its course: how well its level is known does not hide it.
+    """
     value = curves[name].values
-    known = curves[f"{name}_std"].values < LARGEST_ERRORS[name] * np.abs(value)
+    std = curves[f"{name}_change_std" if f"{name}_change_std" in curves else f"{name}_std"].values
+    known = std < LARGEST_ERRORS[name] * np.abs(value)
     return np.where(known, value, np.nan)

@@ -41,8 +41,9 @@ def means(curves: xr.Dataset) -> Chart | None:
     return Chart(
         "Natural frequency and loss factor over displacement amplitude: mean of the records"
         + (f" at each {load}" if load else "")
-        + ", with one standard error. A record's own level counts once; where the error exceeds "
-        f"0.1 % of the frequency or 20 % of the loss factor nothing is drawn.{more}",
+        + ", with one standard error. A record's own level counts once; where the course over "
+        "amplitude, without that level, is not known to 0.1 % of the frequency or 20 % of the loss "
+        f"factor nothing is drawn.{more}",
         _panels(modes[:MODES]),
         coloured,
         columns=len(modes[:MODES]),

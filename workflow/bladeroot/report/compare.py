@@ -135,7 +135,7 @@ def _at_amplitudes(one: xr.Dataset, other: xr.Dataset, words: Words) -> list[tup
     """A row an amplitude; the grid of amplitudes of the one is read in the other."""
     names = ("frequency", "loss_factor")
     there = other.interp(amplitude=one["amplitude"].values)[
-        [f"{name}{end}" for name in names for end in ("", "_std")]
+        [f"{name}{end}" for name in names for end in ("", "_std", "_change_std")]
     ]
     seen = np.isfinite(sum(sure(side, name) for side in (one, there) for name in names))
     known = np.flatnonzero(seen)

@@ -86,13 +86,18 @@ def _mode_cards(
 ) -> list[tuple[str, str, list[str]]]:
     """Frequency, damping and where they were measured, of each mode."""
     words, cards = words_of(stick), []
-    modes = facts["modes"]
+    modes, bad = facts["modes"], rejected(stick)
     for mode in modes[:_MOST_CARDS]:
+        of_mode = (
+            stick["record_mode"].values == mode if "record_mode" in stick else np.zeros(0, bool)
+        )
         here = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
         if not here.sizes["level"]:
             frequency, loss = over.get(mode, (NONE, NONE))
             if frequency == NONE:
-                cards.append((f"mode {mode}", "no frequency", ["no usable record"]))
+                used = of_mode & ~np.isin(stick["record"].values, [name for name, _ in bad])
+                why = "its curves are hardly known" if used.any() else "no usable record"
+                cards.append((f"mode {mode}", "no frequency", [why]))
             else:
                 lines = [f"loss factor {loss} %", "over amplitude; no plateau is reached"]
                 cards.append((f"mode {mode}", f"{frequency} Hz", lines))
@@ -103,10 +108,12 @@ def _mode_cards(
         count = f"{here.sizes['level']} levels"
         if facts["entry"] == "records":
             records = int(np.nansum(here["records"].values))
-            every = int((stick["record_mode"].values == mode).sum())
             count = f"{records} record{'s' * (records != 1)}"
-            if records < every:
-                count = f"{records} of {every} records: the others have no plateau"
+            if records < of_mode.sum():
+                bare = int((of_mode & (stick["verdict"].values == "plateau not reached")).sum())
+                out = int((of_mode & np.isin(stick["record"].values, [n for n, _ in bad])).sum())
+                left = [f"{bare} without a plateau"] * bool(bare) + [f"{out} rejected"] * bool(out)
+                count = ", ".join([f"{records} of {of_mode.sum()} records", *left])
         lines = [f"loss factor {loss} %", ", ".join(filter(None, [where, count]))]
         cards.append((f"mode {mode}", f"{_hertz(here)} Hz", [line for line in lines if line]))
     if len(modes) > _MOST_CARDS:
@@ -314,8 +321,8 @@ def undecided(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[str]:
     unreached = int((stick["verdict"].values == "plateau not reached").sum())
     if unreached:
         parts.append(
-            f"Records that do not reach their plateau: {unreached}. Smaller amplitudes (a longer "
-            "decay above the noise) would show it."
+            f"Records that do not reach their plateau: {unreached}. Smaller amplitudes would show "
+            "it: a longer decay above the noise, or one that nothing disturbs."
         )
     return parts
 

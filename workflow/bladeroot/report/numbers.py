@@ -21,7 +21,7 @@ def significant(value: float, digits: int = 3, unit: str = "") -> str:
         return NONE
     if value == 0:
         return "0"
-    decimals = max(0, digits - 1 - _power(value))
+    decimals = max(0, digits - 1 - _power(float(f"{value:.{digits - 1}e}")))
     if decimals > _MOST_DECIMALS:
         mantissa, power = f"{value:.{digits - 1}e}".split("e")
         return f"{mantissa}{_times(int(power))}" + _of(unit)

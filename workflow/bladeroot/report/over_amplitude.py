@@ -65,13 +65,8 @@ def stuck(here: xr.Dataset) -> str:
     )
     if not np.isfinite([low, high]).all():
         return f"beyond {fixed(bound, 2)}"
-    place = (bound - low) / max(high - low, 1e-12)
-    side = "above" if place < 0.25 else "below" if place > 0.75 else "near"
+    side = "above" if low >= bound else "below" if high <= bound else "near"
     within = f"between {fixed(low, 2)} and {fixed(high, 2)}"
-    if side == "above" and low < bound:
-        within = f"up to {fixed(high, 2)}"
-    if side == "below" and high > bound:
-        within = f"down to {fixed(low, 2)}"
     return f"{side} {fixed(bound, 2)}; {within} at 95 %, if the law goes on"
 
 
