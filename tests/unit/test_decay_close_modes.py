@@ -6,7 +6,7 @@ from bladeroot.decay.component_lines import meant
 from bladeroot.decay.components import separated
 from bladeroot.decay.freevib import freevib
 from bladeroot.signal.lines import loudest, mode_Hz
-from blows import MODES, RATE, blow, curve
+from blows import MODES, NOISE, RATE, blow, curve
 
 
 def test_a_known_close_mode_is_told_apart():
@@ -35,6 +35,41 @@ def test_a_close_mode_that_dies_before_it_beats_is_taken_off(close_Hz, size):
     off = np.abs(found["frequency"].values - 80.0)
     assert (off < np.maximum(3.0 * found["frequency_std"].values, 0.01)).all()
     assert off[found["time"].values < 0.3].max() < 0.1
+
+
+@pytest.mark.parametrize("softening", [0.0, 0.004])
+@pytest.mark.parametrize("part", [0.05, 0.2])
+def test_a_doublet_that_beats_four_times_in_all_is_told_apart(part, softening):
+    """Bells and strings; or a mode that a joint softens where it is loud."""
+    time, fall = np.arange(int(6.0 * RATE)) / RATE, np.pi * 440.0 * 1e-3
+    level = np.exp(-fall * time)
+    frequency = 440.0 * (1.0 - softening * np.maximum(level - 0.3, 0.0) / 0.7)
+    velocity = level * np.cos(2.0 * np.pi * np.cumsum(frequency) / RATE)
+    velocity += part * level * np.cos(2.0 * np.pi * (440.0 + 0.5 * fall) * time + 1.0)
+    velocity += 1e-3 * np.random.default_rng(1).standard_normal(time.size)
+    judged, found = curve(0.02 * velocity, 442.0)
+    assert "close-mode" in judged["finding_id"].values
+    size = found["amplitude"].values * 2.0 * np.pi * 440.0 / 0.02
+    clear = size > 0.02
+    assert clear.sum() > 100
+    true = 440.0 * (1.0 - softening * np.maximum(size - 0.3, 0.0) / 0.7)
+    off = np.abs(found["frequency"].values - true)
+    std = found["frequency_std"].values
+    assert np.mean((off < np.maximum(3.0 * std, 5e-4 * 440.0))[clear]) > 0.95
+    off = np.abs(found["loss_factor"].values - 440.0 * 1e-3 / true)
+    std = found["loss_factor_std"].values
+    assert np.mean((off < np.maximum(3.0 * std, 1e-4))[clear]) > 0.95
+
+
+@pytest.mark.parametrize("bend", [0.05, -0.05])
+def test_a_law_that_bends_at_the_start_is_no_second_mode(bend):
+    time = np.arange(int(4.0 * RATE)) / RATE
+    level = np.exp(-2.0 * time)
+    frequency = 80.0 * (1.0 + bend * level**2)
+    velocity = 0.02 * level * np.cos(2.0 * np.pi * np.cumsum(frequency) / RATE)
+    velocity += NOISE * np.random.default_rng(1).standard_normal(time.size)
+    judged, _ = curve(velocity, 80.0)
+    assert not set(judged["finding_id"].values) & {"close-mode", "steady-line"}
 
 
 @pytest.mark.parametrize(("away_Hz", "other"), [(-3.6, False), (3.6, True)])

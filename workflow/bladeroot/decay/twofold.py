@@ -1,8 +1,9 @@
-"""A second mode that dies before it beats: two exponentials against one mode that bends.
+"""A second mode too close for a line of its own: two exponentials against one mode that bends.
 
-Over a segment of intervals the mode's envelope is fitted as the sum of two exponentials, and as one
-whose logarithm is a cubic, which has as many unknowns and is what a mode with laws of its own looks
-like.
+It dies before the two beat, or beats with the mode but a few times in all, as doublets of bells,
+strings and discs do. Over a segment of intervals the mode's envelope is fitted as the sum of two
+exponentials, and as one whose logarithm is a cubic, which has as many unknowns and is what a mode
+with laws of its own looks like.
 """
 
 import numpy as np
@@ -14,13 +15,19 @@ from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Beside, Envelopes
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STEADY_DECAY_RATIO, exponentials
 
-# The segments from the decay's start on to which both models are fitted.
-SEGMENT_INTERVALS = (12, 18, 27, 40)  # lengths, tried one after the other
+# The segments to which both models are fitted. Where the mode bends by a law of its own, as a joint
+# does while it is loud, two exponentials are told from the start of a later one.
+SEGMENT_STARTS = (0.0, 0.125, 0.25)  # over the envelope's length, tried in turn
+SEGMENT_INTERVALS = (12, 18, 27, 40, 60, 90, 135, 200, 300)  # lengths
+MOST_VALUES = 40  # in which exponentials are sought: means of neighbours in a longer segment
 LEAST_REMAINDER = 0.02  # ratio of the amplitude at a segment's end to the largest in it
 # When there are two modes rather than one that bends.
 MISFIT_RATIO = 5.0  # least ratio of the misfit of one that bends to that of two exponentials
 LEAST_FACTOR = 0.5  # of either's amplitude from interval to interval; less is a transient
 LEAST_TURNS = 0.4  # of one's phase against the other's in the segment; less is the mode's own bend
+LOUDEST = (
+    2.0  # either at the start over the envelope there; what a later segment makes larger bends
+)
 # A joint that slips while it is loud makes its mode lower and more damped then. A component is
 # taken for that, and for no other mode, if it decays much faster and lies a little lower.
 SLIP_DECAY_RATIO = 6.0  # of the decay rates; of slip it is 7 to 26, of two modes mostly below 3
@@ -42,23 +49,11 @@ def twofold(
     z = found.envelope(0)
     step_s = found.spacing / sampling_Hz
     best, pair = MISFIT_RATIO, None
-    for count in SEGMENT_INTERVALS:
-        part = z[:count]
-        if z.size < count or abs(part[-1]) < LEAST_REMAINDER * np.abs(part).max():
-            break
-        pole, size = exponentials(part, count // 3)
-        turns = abs(np.angle(pole[1] / pole[0])) * count / (2.0 * np.pi)
-        if not LEAST_FACTOR < np.abs(pole).min() <= np.abs(pole).max() < 1.1 or turns < LEAST_TURNS:
-            continue
-        fast, slow = sorted(pole, key=abs)
-        lower = np.angle(slow / fast) / (2.0 * np.pi * step_s * found.lines_Hz[0])
-        if 0.0 < lower < SLIP_FREQUENCY_DROP and np.log(abs(fast)) < SLIP_DECAY_RATIO * np.log(
-            abs(slow)
-        ):
-            continue
-        left = np.linalg.norm(part - np.vander(pole, count, increasing=True).T @ size)
-        clear = np.linalg.norm(part - _bending(part)) / max(left, 1e-300)
-        if clear > best:
+    for part in SEGMENT_STARTS:
+        first = int(part * z.size)
+        clear, pole, size = _two(z[first:], 2.0 * np.pi * step_s * found.lines_Hz[0])
+        size = size * pole ** -float(first)
+        if clear > best and np.abs(size).max() < LOUDEST * np.abs(z).max():
             best, pair = clear, (pole, size)
     if pair is None:
         return None
@@ -81,6 +76,46 @@ def twofold(
     alike = own_Hz / (ENVELOPE_BANDWIDTH * abs(line[1] - line[0]))
     beside = Beside(float(line[k]), wave, time, error, finding, remark, alike)
     return float(own_Hz), beside
+
+
+def _two(
+    z: Complex[ndarray, " interval"], turn: float
+) -> tuple[float, Complex[ndarray, "2"], Complex[ndarray, "2"]]:
+    """The exponentials that are most clearly two, from the envelope's start on: how clearly, by the
+    ratio of misfits (0: not at all), factors from interval to interval and first values.
+
+    turn: by how much the mode turns in an interval (rad).
+    """
+    best, pair = 0.0, (np.ones(2, complex), np.zeros(2, complex))
+    for count in SEGMENT_INTERVALS:
+        part = z[:count]
+        if z.size < count or abs(part[-1]) < LEAST_REMAINDER * np.abs(part).max():
+            break
+        pole, size = _fitted(part)
+        fast, slow = sorted(pole, key=abs)
+        turns = abs(np.angle(fast / slow)) * count / (2.0 * np.pi)
+        if not LEAST_FACTOR < abs(fast) <= abs(slow) < 1.1 or turns < LEAST_TURNS:
+            continue
+        lower = np.angle(slow / fast) / turn
+        slips = np.log(abs(fast)) < SLIP_DECAY_RATIO * np.log(abs(slow))
+        if 0.0 < lower < SLIP_FREQUENCY_DROP and slips:
+            continue
+        left = np.linalg.norm(part - np.vander(pole, count, increasing=True).T @ size)
+        clear = np.linalg.norm(part - _bending(part)) / max(left, 1e-300)
+        if clear > best:
+            best, pair = clear, (pole, size)
+    return best, *pair
+
+
+def _fitted(
+    z: Complex[ndarray, " interval"],
+) -> tuple[Complex[ndarray, "2"], Complex[ndarray, "2"]]:
+    """Two exponentials in an envelope: factors from interval to interval, and first values."""
+    each = -(-z.size // MOST_VALUES)
+    means = z[: z.size // each * each].reshape(-1, each).mean(axis=1)
+    pole = exponentials(means, means.size // 3)[0] ** (1.0 / each)
+    shapes = np.vander(pole, z.size, increasing=True).T
+    return pole, np.linalg.lstsq(shapes, z, rcond=None)[0]
 
 
 def _bending(z: Complex[ndarray, " interval"], passes: int = 3) -> Complex[ndarray, " interval"]:
