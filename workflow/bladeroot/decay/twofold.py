@@ -25,9 +25,9 @@ LEAST_REMAINDER = 0.02  # ratio of the amplitude at a segment's end to the large
 MISFIT_RATIO = 5.0  # least ratio of the misfit of one that bends to that of two exponentials
 LEAST_FACTOR = 0.5  # of either's amplitude from interval to interval; less is a transient
 LEAST_TURNS = 0.4  # of one's phase against the other's in the segment; less is the mode's own bend
-LOUDEST = (
-    2.0  # either at the start over the envelope there; what a later segment makes larger bends
-)
+# Either's size at the start over the envelope there: what a later segment makes larger is a law
+# that bends, what is smaller is rounding where there is no noise.
+SIZES = (1e-5, 2.0)
 # A joint that slips while it is loud makes its mode lower and more damped then. A component is
 # taken for that, and for no other mode, if it decays much faster and lies a little lower.
 SLIP_DECAY_RATIO = 6.0  # of the decay rates; of slip it is 7 to 26, of two modes mostly below 3
@@ -53,7 +53,8 @@ def twofold(
         first = int(part * z.size)
         clear, pole, size = _two(z[first:], 2.0 * np.pi * step_s * found.lines_Hz[0])
         size = size * pole ** -float(first)
-        if clear > best and np.abs(size).max() < LOUDEST * np.abs(z).max():
+        least, most = np.sort(np.abs(size)) / np.abs(z).max()
+        if clear > best and SIZES[0] < least and most < SIZES[1]:
             best, pair = clear, (pole, size)
     if pair is None:
         return None
