@@ -134,6 +134,22 @@ def test_zeros_behind_a_record_are_no_part_of_it():
         assert np.array_equal(padded[name], found[name])
 
 
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_a_deleted_frame_of_a_video_is_a_gap_and_no_wrong_samples(seed):
+    rng = np.random.default_rng(seed)
+    rate, own_Hz, eta = 400.0, 16.0, 0.012
+    time = np.arange(1500) / rate
+    motion = np.exp(-np.pi * own_Hz * eta * time)
+    motion *= np.cos(2.0 * np.pi * own_Hz * time + rng.uniform(0.0, 6.0))
+    motion += 1.5e-3 * rng.standard_normal(time.size)
+    motion = np.delete(motion, int(rng.uniform(0.3, 0.6) * time.size))
+    judged = free_decay(recording(0.02 * motion, "m", "here", sampling_Hz=rate), 16.3)
+    assert judged["finding_id"].values.tolist() == ["gap"]
+    found = estimate(judged.assign_attrs(expected_Hz=16.3))
+    off = np.abs(found["frequency"].values - own_Hz) / found["frequency_std"].values
+    assert off.max() < 3.5
+
+
 @pytest.mark.parametrize(("size", "verdict"), [(0.0, "usable"), (0.1, "rejected")])
 def test_a_knock_ends_a_decay_only_where_it_moves_the_mode(size, verdict):
     """The mode falls by 3.4 in all, by too little for a decay on either side of the knock."""

@@ -23,6 +23,10 @@ MOST_PLACES = 400  # places that are looked at, the first of the decay
 # half the threshold or, where it is more, this part of the largest miss there.
 MOST_IN_A_ROW = 4
 UNEXPLAINED_PART = 0.02
+# As many wrong samples as these are none if a step explains their miss with so many times what is
+# left at most.
+FEWEST_OF_STEP = 3
+AS_WELL = 1.5
 
 # The interpolation of a sample by its neighbours, with one set of weights for the whole decay.
 NEIGHBOURS = 16  # samples on either side
@@ -97,8 +101,26 @@ def _single(
         size = np.linalg.lstsq(columns, miss[low:high], rcond=None)[0]
         rest = miss[low:high] - columns @ size
         if (np.abs(rest) <= allowed).all():
-            return {low + k for k in found}
+            steps = len(found) >= FEWEST_OF_STEP and _steps(miss[low:high], rest, response, found)
+            return set() if steps else {low + k for k in found}
     return set()
+
+
+def _steps(miss: np.ndarray, rest: np.ndarray, response: np.ndarray, found: list[int]) -> bool:
+    """Whether a step, from which on the motion goes on smoothly, explains the miss as well.
+
+    Samples that are missing make one: some neighbours of it then look wrong.
+    """
+    at, reach = np.arange(miss.size), response.size // 2
+    for k in range(min(found), max(found) + 2):
+        after = np.stack([at >= k, (at >= k) * (at - k) / reach])
+        made = [np.convolve(one, response, mode="full")[reach : reach + at.size] for one in after]
+        near = np.abs(at - k) < reach
+        columns = np.stack(made, axis=1)[near]
+        size = np.linalg.lstsq(columns, miss[near], rcond=None)[0]
+        if np.linalg.norm(miss[near] - columns @ size) < AS_WELL * np.linalg.norm(rest[near]):
+            return True
+    return False
 
 
 def residual(seen: Examined) -> Residual:
