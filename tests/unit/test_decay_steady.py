@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 from bladeroot.decay.envelope_model import demodulated
+from bladeroot.decay.free_decay import free_decay
+from bladeroot.decay.record import estimate
 from bladeroot.decay.steady import steady_line
+from bladeroot.io.recording import recording
 from blows import NOISE, RATE, blow, curve, decay
 
 
@@ -64,6 +67,24 @@ def test_what_beats_with_the_mode_and_stays_is_no_mode(away_Hz, size, falls, fin
     told = set(judged["finding_id"].values) & {"steady-line", "close-mode"}
     assert told == {finding}
     assert np.abs(np.array(judged.attrs["components_Hz"]) - 540.0 + away_Hz).min() < 0.1
+
+
+@pytest.mark.parametrize(("part", "length_s"), [(0.003, 5.5), (0.01, 3.3)])
+@pytest.mark.parametrize("away_Hz", [0.3, -0.3])
+def test_a_steady_line_that_turns_once_against_the_mode_is_no_slip(part, length_s, away_Hz):
+    """It lies where a joint that slips moves a mode to, and decays by nothing."""
+    time = np.arange(int(length_s * 2000.0)) / 2000.0
+    velocity = decay(48.9, 0.003, 1.0, time) + part * np.cos(
+        2.0 * np.pi * (48.9 + away_Hz) * time + 2.0
+    )
+    velocity += 1e-3 * np.random.default_rng(0).standard_normal(time.size)
+    record = recording(0.02 * velocity, "m/s", "here", sampling_Hz=2000.0)
+    judged = free_decay(record, 49.6)
+    assert "steady-line" in judged["finding_id"].values
+    found = estimate(judged.assign_attrs(expected_Hz=49.6), damping="viscous")
+    for name, true in (("frequency", 48.9), ("loss_factor", 0.006)):
+        off = np.abs(found[name].values - true) / found[f"{name}_std"].values
+        assert off.max() < 3.0
 
 
 def test_a_mode_that_hardly_falls_at_last_is_no_steady_line():

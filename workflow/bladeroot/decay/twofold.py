@@ -30,7 +30,8 @@ LEAST_TURNS = 0.4  # of one's phase against the other's in the segment; less is 
 SIZES = (1e-5, 2.0)
 # A joint that slips while it is loud makes its mode lower and more damped then. A component is
 # taken for that, and for no other mode, if it decays much faster and lies a little lower.
-SLIP_DECAY_RATIO = 6.0  # of the decay rates; of slip it is 7 to 26, of two modes mostly below 3
+# Ratio of the decay rates: of slip it is 7 to 26, of two modes mostly below 3, of a line more.
+SLIP_DECAY_RATIOS = (6.0, 40.0)
 SLIP_FREQUENCY_DROP = 0.02  # relative; what lies farther below is another mode
 # The mode that is meant has most energy, weighed by a normal density about the sheet's frequency.
 EXPECTED_STD = 0.02  # relative standard deviation of that density
@@ -98,7 +99,8 @@ def _two(
         if not LEAST_FACTOR < abs(fast) <= abs(slow) < 1.1 or turns < LEAST_TURNS:
             continue
         lower = np.angle(slow / fast) / turn
-        slips = np.log(abs(fast)) < SLIP_DECAY_RATIO * np.log(abs(slow))
+        least, most = SLIP_DECAY_RATIOS
+        slips = most * np.log(abs(slow)) < np.log(abs(fast)) < least * np.log(abs(slow))
         if 0.0 < lower < SLIP_FREQUENCY_DROP and slips:
             continue
         left = np.linalg.norm(part - np.vander(pole, count, increasing=True).T @ size)
