@@ -292,11 +292,13 @@ def test_results_of_another_folder_of_that_name_are_not_written_over(tmp_path, m
         (tmp_path / place / "campaign.yaml").write_text("title: made\n")
     known = tmp_path / "results" / "made" / "report" / "provenance.json"
     artifacts.save_json({"command": "bladeroot run made"}, known)
-    refuse_another(tmp_path / "made")
     refuse_another(tmp_path / "made" / ".." / "made")
     with pytest.raises(ValueError, match="results/made are the results of made"):
         refuse_another(tmp_path / "other" / "made")
     (tmp_path / "made" / "campaign.yaml").unlink()  # it has moved there
+    refuse_another(tmp_path / "other" / "made")
+    (tmp_path / "made" / "campaign.yaml").write_text("title: made\n")
+    known.write_text("{")  # damaged: the run makes it again
     refuse_another(tmp_path / "other" / "made")
 
 

@@ -113,8 +113,14 @@ def test_matlab_and_universal_file_hold_the_same_numbers(results, tmp_path):
 def test_a_load_of_any_name_and_unit_is_written(tmp_path, name, unit, column, field):
     one = decay("a", "1B", 0.0, 0.0).assign_attrs(load=20.0, load_name=name, load_unit=unit)
     artifacts.save(one, tmp_path / "made" / "decay" / "a.nc")
+    stick = xr.Dataset(
+        {"record_force": ("record", [20.0], {"units": unit})}, {"record": ["a"]},
+        {"load_name": name, "load_unit": unit},
+    )  # fmt: skip
+    artifacts.save(stick, tmp_path / "made" / "stick.nc")
     br.export(tmp_path / "made", tmp_path)
     assert (pd.read_csv(tmp_path / "curves.csv")[column] == 20.0).all()
+    assert (pd.read_csv(tmp_path / "stick.csv")[f"record_{column}"] == 20.0).all()
     made = loadmat(tmp_path / "results.mat", simplify_cells=True)
     assert (made["curves"][field] == 20.0).all()
     assert column in made["columns"]["curves"]

@@ -1,7 +1,6 @@
 """Where a campaign's results are, and whether they are those of its files."""
 
 import os
-import shlex
 from pathlib import Path
 
 import click
@@ -38,9 +37,10 @@ def _warn_if_outdated(results: Path) -> None:
 def refuse_another(campaign: Path) -> None:
     """ValueError where the results of that name are another folder's that is still there."""
     made = Path("results") / campaign.resolve().name / "report" / "provenance.json"
-    if not made.is_file():
+    try:
+        before = Path(load_json(made)["command"].removeprefix("bladeroot run "))
+    except ValueError:  # there are none, or a damaged file, which is made again
         return
-    before = Path(shlex.split(load_json(made)["command"])[-1])
     if (before / "campaign.yaml").is_file() and not before.samefile(campaign):
         raise ValueError(
             f"{made.parents[1]} are the results of {before}: expected a folder of another name, or "

@@ -16,8 +16,10 @@ from bladeroot.loads import AXIAL_FORCE, value_of
 # Of a record's curve, a column each; damping as loss factor and, half of it, as damping ratio.
 CURVE = ("time", "amplitude", "frequency", "frequency_std", "loss_factor", "loss_factor_std")
 UNITS = {"s": "s", "m": "m", "Hz": "Hz", "1": ""}
-# What the sheet says of a record; what none of them has is left out.
+# What the sheet says of a record, and what of it stands beside its curve; what none of them has is
+# left out.
 RECORD = ("mode", "group", "sensor", "event", "hold", "direction")
+CURVE_FACTS = ("mode", "group", "sensor")
 # MATLAB's names of fields hold so many letters.
 _MATLAB_NAME = 63
 # Bytes of text at the head of a MATLAB file.
@@ -85,7 +87,7 @@ def record_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:
         {
             "record": decay.attrs["record"],
             **_facts(decay, RECORD),
-            _load(decay.attrs, "force"): value_of(decay.attrs),
+            _load(decay.attrs): value_of(decay.attrs),
             **_facts(decay, ("quantity", "verdict", "reason", "findings")),
         }
         for decay in decays
@@ -96,8 +98,8 @@ def curve_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:
     """Curves of records (`decay/<record>.nc`) as one table, a row a point, units in the header."""
     parts = []
     for decay in decays:
-        facts = {"record": decay.attrs["record"], **_facts(decay, ("mode", "group", "sensor"))}
-        facts[_load(decay.attrs, "force")] = value_of(decay.attrs)
+        facts = {"record": decay.attrs["record"], **_facts(decay, CURVE_FACTS)}
+        facts[_load(decay.attrs)] = value_of(decay.attrs)
         points = {}
         for name in CURVE:
             unit = UNITS[decay[name].attrs["units"]]
@@ -114,7 +116,7 @@ def _mean_tables(curves: xr.Dataset) -> Iterator[tuple[str, pd.DataFrame]]:
     points = curves[whole].to_dataframe().reset_index().drop(columns="level", errors="ignore")
     points = points[points["records"] > 0].reset_index(drop=True)
     units = {name: _with_unit(name, curves[name].attrs.get("units", "")) for name in points}
-    load = {"force": _load(curves.attrs, "force")}
+    load = {"force": _load(curves.attrs)}
     own = ["mode", "force", "group", "sensor", "amplitude"]
     yield "curves_mean", _known(points[[*own, *whole]].rename(columns=units | load))
     levels = _table_over(curves.drop_vars("amplitude"), "level")
@@ -137,18 +139,23 @@ def _known(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _table_over(dataset: xr.Dataset, dim: str) -> pd.DataFrame:
-    """The variables of one dimension, its unit behind each name."""
+    """The variables of one dimension, its unit behind each name; the load by its own."""
     columns = {dim: dataset[dim].values} if dim in dataset.coords else {}
     for name, variable in dataset.data_vars.items():
         if variable.dims == (dim,):
-            columns[_with_unit(name, variable.attrs.get("units", ""))] = variable.values
+            called = _with_unit(name, variable.attrs.get("units", ""))
+            if name in ("force", "record_force"):
+                load = _load(dataset.attrs)
+                called = load and name.removesuffix("force") + load
+            columns[called] = variable.values
+    columns.pop("", None)  # there is no load
     return pd.DataFrame(columns)
 
 
-def _load(facts: Mapping, column: str) -> str:
+def _load(facts: Mapping) -> str:
     """The load's column: `force_N`, or what a campaign calls it; empty where there is none."""
     name, unit = str(facts.get("load_name", AXIAL_FORCE)), facts.get("load_unit", "N")
-    named = column if name == AXIAL_FORCE else name.replace(" ", "_")
+    named = "force" if name == AXIAL_FORCE else name.replace(" ", "_")
     return _with_unit(named, unit) if name else ""
 
 
@@ -214,9 +221,8 @@ def _save_universal(curves: pd.DataFrame, path: Path) -> None:
     import pyuff
 
     sets = []
-    known = list(curves.columns)
-    load = known[known.index("time_s") - 1]
-    load = "" if load in ("record", "mode", "group", "sensor") else load
+    facts = curves.columns[: curves.columns.get_loc("time_s")]
+    load = next((one for one in facts if one not in ("record", *CURVE_FACTS)), "")
     for (record, mode), rows in curves.groupby(["record", "mode"], sort=True):
         for column, label, unit in (
             ("frequency_Hz", "frequency over amplitude", "Hz"),
