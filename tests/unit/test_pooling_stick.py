@@ -10,6 +10,7 @@ from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.components import pool
 from bladeroot.pooling.scatter_of_table import scatter_about_law
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
+from scipy.stats import t
 
 
 def fitted(name, mode, force, hold, value, std, direction=""):
@@ -80,6 +81,43 @@ def test_intervals_cover_the_truth(holds, records):
     z = np.abs(z)
     assert 0.63 < np.mean(z < 1.0) < 0.84  # few degrees of freedom: wide where it counts, at 95 %
     assert 0.92 < np.mean(z < 1.96) <= 0.99
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_clampings_kept_over_loads_are_so_many_repeats_and_no_more(seed):
+    """Five clampings loaded through three loads: Student's of five values at each load."""
+    rng = np.random.default_rng(seed)
+    kept = 0.3 * rng.standard_normal(5)
+    rows = [
+        ("1B", 1e3 * load, f"c{k}", 500.0 + 10.0 * load + own, 1e-5)
+        for load in (1, 2, 3)
+        for k, own in enumerate(kept)
+    ]
+    result = pooled(rows)
+    half = t.ppf(0.975, 4) * kept.std(ddof=1) / np.sqrt(5)
+    assert 1.96 * result["frequency_std"].values == pytest.approx([half] * 3, rel=0.02)
+    assert (result["hold_freedom"] == 4).all()
+
+
+def test_what_clampings_keep_is_told_from_what_they_have_anew():
+    rng = np.random.default_rng(4)
+    z = []
+    for _ in range(12):
+        rows = [
+            ("1B", 1e3 * load, f"c{k}", 500.0 + kept + anew + repeat, 1e-3)
+            for k, kept in enumerate(0.3 * rng.standard_normal(6))
+            for load, anew in enumerate(0.1 * rng.standard_normal(4))
+            for repeat in 0.02 * rng.standard_normal(2)
+        ]
+        result = pooled(rows)
+        z += list((result["frequency"].values - 500.0) / result["frequency_std"].values)
+    assert float(result["between_record_std"][0]) == pytest.approx(0.02, rel=0.4)
+    assert 0.9 < np.mean(np.abs(z) < 1.96) <= 1.0
+
+
+def test_one_clamping_kept_over_many_loads_is_a_lower_bound():
+    rows = [("1B", 1e3 * k, "a", 500.0 + k, 0.01) for k in range(1, 12)]
+    assert pooled(rows)["frequency_std"].attrs["lower_bound"] == "1B"
 
 
 @pytest.mark.parametrize("repeats", [1, 4])

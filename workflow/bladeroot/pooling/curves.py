@@ -34,8 +34,9 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
     attributes. plateaus: of the same records; what is rejected there is left out. The change with
     amplitude is that of `bladeroot.pooling.level_curve`; the mean of the records' levels, pooled
-    over all loads of a mode as stick frequencies are (`bladeroot.pooling.components`), is put back.
-    Nothing is extrapolated. Where no clamping repeats the error is a lower bound, and says so.
+    over all loads and groups of a mode as stick frequencies are (`bladeroot.pooling.components`),
+    is put back. Nothing is extrapolated. Where no clamping repeats the error is a lower bound, and
+    says so.
 
     Returns:
         dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
@@ -66,7 +67,7 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
         if not here:
             continue
         level = np.repeat(np.arange(len(here)), [rows[k].size for k in here])
-        clamping = _clampings([decays[i] for k in here for i in rows[k]], level)
+        clamping = _clampings([decays[i] for k in here for i in rows[k]])
         at = [np.searchsorted(ladder, found[k].amplitude) for k in here]
         for q, name in enumerate(CURVES):
             made, repeated = _absolute([found[k] for k in here], q, level, clamping)
@@ -104,9 +105,9 @@ def _level_of(attrs: Mapping) -> tuple[str, float, str, str]:
     return str(attrs["mode"]), value_of(attrs), *own
 
 
-def _kind(level: tuple[str, float, str, str]) -> tuple[str, str, str]:
-    """What levels that share their scatter have in common: all but the load."""
-    return level[0], level[2], level[3]
+def _kind(level: tuple[str, float, str, str]) -> tuple[str, str]:
+    """What levels that share their scatter have in common: the mode and the sensor."""
+    return level[0], level[3]
 
 
 def _strings(levels: Sequence[tuple], k: int) -> ndarray:
@@ -123,12 +124,9 @@ def _slope(curve: LevelCurve | None, q: int) -> tuple[float, float]:
     return weight @ curve.mean[q], np.sqrt(weight @ covariance @ weight)
 
 
-def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
+def _clampings(decays: Sequence[xr.Dataset]) -> Int[ndarray, " record"]:
     """Numbers of the clampings; records that name none are clampings of their own."""
-    names = [
-        f"{own} {decay.attrs.get('hold', '') or f'record {k}'}"
-        for k, (own, decay) in enumerate(zip(level, decays, strict=True))
-    ]
+    names = [str(own.attrs.get("hold", "")) or f"record {k}" for k, own in enumerate(decays)]
     return np.unique(names, return_inverse=True)[1]
 
 

@@ -1,7 +1,6 @@
 """Stick frequencies of a campaign: per record, and pooled per mode and axial force (3.20, 3.21)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -30,21 +29,25 @@ TABLE_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
 )  # fmt: skip
 
+# Mean and standard error by group and force.
+_Levels = dict[tuple[str, float], tuple[float, float]]
+_NOT_KNOWN = (np.nan, np.nan)
+
 
 def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stick frequency and damping of every record, and of every mode at every force.
 
     Each plateau (`bladeroot.plateau.plateau`) carries `mode`, its load and optionally `record`,
-    `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
-    records of one event are one motion (`by_event`). Records at one force are pooled
+    `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Each group has its own
+    mean; records of one event are one motion (`by_event`). Records at one force are pooled
     (`bladeroot.pooling.components`): the unit of replication is the clamping, records without one
-    are clampings of their own, and what a mode's records and clampings scatter is told
-    from all its forces. Where loading up and down both occur, the frequency is that between them
-    and their difference is reported; it does not count as scatter. `frequency_std` makes a normal
-    95 % interval right whatever the degrees of freedom. Where no force is clamped twice, what the
-    forces scatter about a smooth law stands for the clampings; of fewer than `FEWEST_ROWS` forces
-    that is not known either, and the errors are lower bounds: attribute `lower_bound` names these
-    modes.
+    are clampings of their own, and what a mode's records and clampings scatter is told from all its
+    forces and groups. Where loading up and down both occur, the frequency is that between them and
+    their difference is reported; it does not count as scatter. `frequency_std` makes a normal 95 %
+    interval right whatever the degrees of freedom. Where no force is clamped twice, what the forces
+    scatter about a smooth law stands for the clampings; of fewer than `FEWEST_ROWS` forces, or of a
+    clamping that is kept over forces, that is not known either, and the errors are lower
+    bounds: attribute `lower_bound` names these modes.
     Records whose plateau is not reached, and rejected ones, are listed and not pooled.
     """
     rows = []
@@ -64,12 +67,10 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
         rows, columns=["record", "mode", "force", *RECORD_TEXTS, "verdict", *RECORD_VARIABLES]
     )
     used = frame[frame["plateau_reached"] == 1]
-    kinds = used.groupby(["mode", "group"], sort=True)
-    rows = [row for _, of_kind in kinds for row in _levels(by_event(of_kind))]
+    rows = [row for _, of_mode in used.groupby("mode", sort=True) for row in _levels(of_mode)]
     levels = pd.DataFrame(rows, columns=["mode", "force", "group", *LEVEL_VARIABLES])
     result = _dataset(frame, levels, load_facts_of(plateaus))
-    forces = levels[levels["hold_freedom"] == 0].groupby("mode").size()
-    unknown = ", ".join(forces.index[forces < FEWEST_ROWS])
+    unknown = ", ".join(_unknown(used, levels[levels["hold_freedom"] == 0]))
     for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std") if unknown else ():
         text = f"; clamping scatter of {unknown} unknown: a lower bound"
         result[name].attrs["long_name"] += text
@@ -119,6 +120,14 @@ def stick_from_table(
     return result.merge(dataset("pooling/stick", made))
 
 
+def _unknown(used: pd.DataFrame, once: pd.DataFrame) -> list[str]:
+    """Modes of which nothing tells what clampings scatter. once: levels that are clamped once."""
+    few = once.groupby(["mode", "group"]).size().groupby("mode").min() < FEWEST_ROWS
+    named = used[used["hold"] != ""].groupby(["mode", "hold"])["force"].nunique()
+    kept = named.groupby("mode").max().reindex(few.index, fill_value=0) > 1
+    return list(few.index[few | kept])
+
+
 def _scatter(frame: pd.DataFrame) -> tuple[dict[str, ndarray], dict[str, list[ndarray]]]:
     """Stated and scattered errors of every row, and each mode's ratio, by quantity."""
     made, ratios = {}, {mode: [] for mode in dict.fromkeys(frame["mode"])}
@@ -139,21 +148,19 @@ def _scatter(frame: pd.DataFrame) -> tuple[dict[str, ndarray], dict[str, list[nd
 
 
 def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
-    """The levels of one mode: each force with what all of the mode's records say of it."""
-    frequency = _pooled(records, "stick_frequency")
-    damped = records[records["loss_factor"].notna()]
-    loss = _pooled(damped, "loss_factor") if len(damped) else None
-    loss_forces = np.unique(damped["force"])
+    """The levels of one mode: each group and force with what all of its records say of it."""
+    records = by_event(records)
+    levels, frequency = _pooled(records, "stick_frequency")
+    losses = _pooled(records[records["loss_factor"].notna()], "loss_factor")[0]
     onsets = _onsets(records)
-    levels = []
-    for number, (force, here) in enumerate(records.groupby("force", sort=True)):
-        found = np.flatnonzero(loss_forces == force)
-        onset, onset_std = onsets.get(force, (np.nan, np.nan))
+    rows = []
+    for at, here in records.groupby(["group", "force"], sort=True):
+        loss, onset = losses.get(at, _NOT_KNOWN), onsets.get(at, _NOT_KNOWN)
         value, std = (here[f"stick_frequency{end}"].to_numpy(float) for end in ("", "_std"))
-        levels.append(
+        rows.append(
             {
-                "mode": here["mode"].iloc[0], "force": force, "group": here["group"].iloc[0],
-                "frequency": frequency.mean[number], "frequency_std": frequency.std[number],
+                "mode": here["mode"].iloc[0], "force": at[1], "group": at[0],
+                "frequency": levels[at][0], "frequency_std": levels[at][1],
                 "within_std": float(np.sqrt((std**2).sum()) / std.size),
                 "between_std": float(value.std(ddof=1)) if value.size > 1 else np.nan,
                 "between_record_std": frequency.record_std,
@@ -163,13 +170,12 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
                 "direction_difference": _difference(here),
                 "mode_direction_difference": frequency.difference,
                 "mode_direction_difference_std": frequency.difference_std,
-                "loss_factor": loss.mean[found[0]] if found.size else np.nan,
-                "loss_factor_std": loss.std[found[0]] if found.size else np.nan,
-                "onset_amplitude": onset, "onset_amplitude_std": onset_std,
+                "loss_factor": loss[0], "loss_factor_std": loss[1],
+                "onset_amplitude": onset[0], "onset_amplitude_std": onset[1],
                 "records": int(here["seen_by"].sum()), "holds": _units(here).nunique(),
             }
         )  # fmt: skip
-    return levels
+    return rows
 
 
 def by_event(records: pd.DataFrame) -> pd.DataFrame:
@@ -211,22 +217,28 @@ def _weighted(value: ndarray, std: ndarray) -> tuple[float, float]:
     return mean, float(np.sqrt(max(apart, 1.0) / weight.sum()))
 
 
-def _pooled(records: pd.DataFrame, name: str) -> Pooled:
-    """Means of the forces, in rising order; a clamping is told apart at each force."""
-    unit = records["force"].astype(str) + " " + _units(records)
-    sign = records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0)
-    forces, force = np.unique(records["force"], return_inverse=True)
+def _pooled(records: pd.DataFrame, name: str) -> tuple[_Levels, Pooled | None]:
+    """Mean and error of each group and force, and what was pooled; nothing of no records."""
+    if not len(records):
+        return {}, None
+    cells = records.groupby(["group", "force"], sort=True)
+    number = cells.ngroup().to_numpy(int)
     found = pool(
         records[name].to_numpy(float),
         records[f"{name}_std"].to_numpy(float),
-        force,
-        np.unique(unit, return_inverse=True)[1],
-        sign.to_numpy(float),
+        number,
+        np.unique(_units(records), return_inverse=True)[1],
+        records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0).to_numpy(float),
     )
-    if found.clamping_freedom:
-        return found
-    clampings = scatter_about_law(forces, found.mean, found.std).rms
-    return replace(found, std=np.hypot(found.std, np.nan_to_num(clampings)))
+    at = [key for key, _ in cells]
+    std = found.std.copy()
+    if not found.clamping_freedom:
+        groups, forces = (np.array(part) for part in zip(*at, strict=True))
+        for group in np.unique(groups):
+            own = groups == group
+            law = scatter_about_law(forces[own], found.mean[own], found.std[own])
+            std[own] = np.hypot(std[own], np.nan_to_num(law.rms))
+    return dict(zip(at, zip(found.mean, std, strict=True), strict=True)), found
 
 
 def _difference(records: pd.DataFrame) -> float:
@@ -236,22 +248,20 @@ def _difference(records: pd.DataFrame) -> float:
     return float(sides[0] - sides[1]) if len(sides) == 2 else np.nan
 
 
-def _onsets(records: pd.DataFrame) -> dict[float, tuple[float, float]]:
-    """Onset and its error at the forces where at least half of the records have one, pooled as ln.
+def _onsets(records: pd.DataFrame) -> _Levels:
+    """Onset and its error at the levels where at least half of the records have one, pooled as ln.
 
     Where slip begins is known to a part of itself, alike at all forces.
     """
-    seen = records[records["onset_amplitude"].notna()]
-    share = seen.groupby("force").size() / records.groupby("force").size()
-    seen = seen[seen["force"].map(share) >= 0.5]
-    if not len(seen):
-        return {}
+    known = records["onset_amplitude"].notna()
+    share = known.groupby([records["group"], records["force"]]).transform("mean")
+    seen = records[known & (share >= 0.5)]
     relative = seen["onset_amplitude_std"] / seen["onset_amplitude"]
     log = seen.assign(onset=np.log(seen["onset_amplitude"]), onset_std=relative)
-    found = _pooled(log, "onset")
-    value = np.exp(found.mean)
-    forces = np.unique(seen["force"])
-    return dict(zip(forces, zip(value, value * found.std, strict=True), strict=True))
+    return {
+        at: (np.exp(mean), np.exp(mean) * std)
+        for at, (mean, std) in _pooled(log, "onset")[0].items()
+    }
 
 
 def _units(records: pd.DataFrame) -> pd.Series:

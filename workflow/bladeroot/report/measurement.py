@@ -142,16 +142,13 @@ def scatter_parts(stick: xr.Dataset) -> list:
         known = np.isfinite(stick["scatter_ratio"].values).any()
         return [_printed_errors(stick)] if known else []
     rows, words = [], words_of(stick)
-    groups = stick["group"].values if "group" in stick else np.full(stick.sizes["level"], "")
-    kinds = list(zip(stick["mode"].values.astype(str), groups.astype(str), strict=True))
-    for mode, group in dict.fromkeys(kinds):
-        here = stick.isel(level=kinds.index((mode, group)))
+    for mode in np.unique(stick["mode"].values.astype(str)):
+        here = stick.isel(level=int(np.argmax(stick["mode"].values == mode)))
         if not int(here["record_freedom"]) + int(here["hold_freedom"]):
             continue  # nothing is repeated
         rows.append(
             (
                 str(mode),
-                group or NONE,
                 significant(float(here["between_record_std"]), 2),
                 str(int(here["record_freedom"])),
                 significant(float(here["between_hold_std"]), 2),
@@ -165,8 +162,8 @@ def scatter_parts(stick: xr.Dataset) -> list:
         )
     if not rows:
         return []
-    header = ("mode", "group", "between records / Hz", "freedom", "between clampings / Hz",
-              "freedom", "up less down / Hz")  # fmt: skip
+    header = ("mode", "between records / Hz", "freedom", "between clampings / Hz", "freedom",
+              "up less down / Hz")  # fmt: skip
     return [
         Table(
             "What repeats scatter beyond their own errors"
