@@ -19,7 +19,7 @@ OWN_ERROR = 0.01
 
 def ratios(rng: np.random.Generator, shape: tuple, sizes: tuple) -> np.ndarray:
     """Errors of one campaign's means over their stated ones; the truth is zero."""
-    clampings, _, records = shape
+    clampings = shape[0]
     kept, anew, between = sizes
     y = kept * rng.standard_normal((clampings, 1, 1)) + np.zeros(shape)
     y += anew * rng.standard_normal(shape[:2])[:, :, None]
