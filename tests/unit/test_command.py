@@ -193,11 +193,13 @@ def test_check_tells_every_fault_on_a_line(folder):
 @pytest.mark.parametrize(
     ("row", "told"),
     [
-        ("blow 1.csv,a,top,m/s,,", ""),
-        ("blow 1.csv,a,tip,m/s,,", "r1: expected channel 'tip', got none of"),
-        ("blow 1.csv,a,top,100 mV,,", "100 mV"),
-        ("blow 1.csv,a,top,m/s,50,", "between from_s and to_s, got 0 of the file's"),
-        ("blow 1.csv,slow,top,m/s,,", "too short"),
+        ("blow 1.csv,a,top,m/s,,,,", ""),
+        ("blow 1.csv,a,tip,m/s,,,,", "r1: expected channel 'tip', got none of"),
+        ("blow 1.csv,a,top,100 mV,,,,", "100 mV"),
+        ("blow 1.csv,a,top,m/s,50,,,", "between from_s and to_s, got 0 of the file's"),
+        ("blow 1.csv,slow,top,m/s,,,,", "too short"),
+        ("blow 1.csv,a,top,m/s,,,50,", "r1: start_s must lie within the record's"),
+        ("blow 1.csv,a,top,m/s,,,,40-4e4", "r1: band_Hz must end below half the sampling"),
     ],
 )
 def test_check_reads_the_raw_files(folder, row, told):
@@ -206,7 +208,8 @@ def test_check_reads_the_raw_files(folder, row, told):
         "modes: {a: {expected_Hz: 60}, slow: {expected_Hz: 0.06}}\n"
     )
     (folder / "records.csv").write_text(
-        f"load,record,file,mode,channel,unit,from_s,to_s\n1,r1,{row}\n1,r2,blow 2.csv,a,top,m/s,,\n"
+        "load,record,file,mode,channel,unit,from_s,to_s,start_s,band_Hz\n"
+        f"1,r1,{row}\n1,r2,blow 2.csv,a,top,m/s,,,,\n"
     )
     done = called("check", folder)
     assert done.exit_code == bool(told)

@@ -103,10 +103,8 @@ def in_band(
         raise ValueError(f"band_Hz must hold the mode's {own_Hz:g} Hz, got {low:g} to {high:g}")
     if low <= 0.0:
         raise ValueError(f"band_Hz must begin above 0 Hz, got {low:g} to {high:g}")
-    if high >= 0.5 * sampling_Hz:
-        raise ValueError(
-            f"band_Hz must end below half the sampling frequency {sampling_Hz:g} Hz, got {high:g}"
-        )
+    if fault := beyond_samples(band_Hz, sampling_Hz):
+        raise ValueError(fault)
     beside = min(0.5 * (high - low), low)
     reach = int(np.ceil(REACH / beside * sampling_Hz))
     if 2 * reach >= velocity.size:
@@ -118,6 +116,15 @@ def in_band(
     taps = (above - below) * np.kaiser(time.size, SHAPE)
     taps /= taps @ np.cos(2.0 * np.pi * own_Hz * time)
     return fftconvolve(velocity, taps, mode="same"), reach
+
+
+def beyond_samples(band_Hz: Sequence[float], sampling_Hz: float) -> str:
+    """Why a band asks for more than the samples hold; empty if it does not."""
+    if band_Hz[1] < 0.5 * sampling_Hz:
+        return ""
+    return (
+        f"band_Hz must end below half the sampling frequency {sampling_Hz:g} Hz, got {band_Hz[1]:g}"
+    )
 
 
 def within(curves: xr.Dataset, band_Hz: Sequence[float]) -> xr.Dataset:

@@ -11,6 +11,7 @@ from jaxtyping import Real
 from numpy import ndarray
 
 from bladeroot.decay.cut import decay_starts, too_fast_or_short
+from bladeroot.decay.overrides import beyond_samples
 from bladeroot.decay.record import analyse, recorded
 from bladeroot.io.campaign import Campaign
 from bladeroot.io.channel import RATE_TOLERANCE
@@ -223,8 +224,8 @@ def starts(taken: Recording, mode_Hz: float) -> list[float]:
 
 
 def faults_of_files(campaign: Campaign) -> list[str]:
-    """Why raw files of a campaign cannot be read as its sheet says, or are too short for their
-    mode: a line a record.
+    """Why raw files of a campaign cannot be read as its sheet says, or are too short for their mode
+    or for what the sheet overrules: a line a record.
     """
     faults = []
     for known in campaign.records:
@@ -234,11 +235,20 @@ def faults_of_files(campaign: Campaign) -> list[str]:
         try:
             found = recorded(path, known)
             fault = too_fast_or_short(found.samples.size, found.sampling_Hz, expected_Hz)
+            fault = fault or _overruled(found, known["start_s"], known["band_Hz"])
             fault = fault and f"{fault} ({path})"
         except ValueError as error:
             fault = str(error)
         faults += [f"{known['record']}: {fault}"] if fault else []
     return faults
+
+
+def _overruled(found: Recording, start_s: float | None, band_Hz: list[float] | None) -> str:
+    """What a person's start or band asks of a recording that it does not have; empty if nothing."""
+    length_s = found.samples.size / found.sampling_Hz
+    if start_s is not None and start_s >= length_s:
+        return f"start_s must lie within the record's {length_s:g} s, got {start_s:g}"
+    return beyond_samples(band_Hz, found.sampling_Hz) if band_Hz else ""
 
 
 def _recording(
