@@ -188,6 +188,12 @@ def test_levels_know_which_share_a_clamping():
     found = levels_of(stick(f).drop_dims("record").assign(records), ("1B", "2B"))
     assert found.clamping[0] == found.clamping[5]
     assert found.clamping[1] != found.clamping[6]
+    assert found.clamping[0] != found.clamping[1]
+    kept = records | {
+        "hold": ("record", ["a", "a", "a", "c"])
+    }  # the next load on the same clamping
+    over_loads = levels_of(stick(f).drop_dims("record").assign(kept), ("1B", "2B"))
+    assert over_loads.clamping[0] == over_loads.clamping[1] != over_loads.clamping[6]
     np.testing.assert_allclose(found.std, 0.05 / 500.0)  # sqrt(0.03^2 + (0.08 / 2)^2)
     np.testing.assert_allclose(found.clamping_std, 1e-3)
     # its own scatter of clampings is not the joint inference's, even where no force repeats one

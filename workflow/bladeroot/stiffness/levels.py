@@ -51,7 +51,7 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
     """The levels of `bladeroot.pooling.stick` that belong to the given modes.
 
     A level's own noise is that within records and between records of a clamping, and at least
-    `LEAST_FREQUENCY_STD`; of a table without records it is `frequency_std`. Two modes at one force
+    `LEAST_FREQUENCY_STD`; of a table without records it is `frequency_std`. Two modes or forces
     share their clampings if the records say so. Raises ValueError if there is no level or a
     frequency has no error.
     """
@@ -97,15 +97,12 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
 
 
 def _clampings(stick: xr.Dataset, here: xr.Dataset, force: ndarray) -> ndarray:
-    """Numbers of clampings; two modes at one force have the same if their records name one."""
+    """Numbers of clampings: levels have the same one if their records name one in common."""
     reached = stick["plateau_reached"].values == 1
     names = []
     for f, name in zip(force, here["mode"].values.astype(str), strict=True):
         own = reached & (stick["record_force"].values == f)
         own &= stick["record_mode"].values.astype(str) == name
         names.append(set(stick["hold"].values[own].astype(str)) - {""})
-    shared = [
-        [f == other and bool(one & two) for other, two in zip(force, names, strict=True)]
-        for f, one in zip(force, names, strict=True)
-    ]
+    shared = [[bool(one & two) for two in names] for one in names]
     return connected_components(np.array(shared), directed=False)[1]
