@@ -161,9 +161,10 @@ def test_a_drive_ends_where_it_does_beside_modes_that_it_does_not_reach(seed):
     decay = br.ringdown(v, mode_Hz=250.0, **known).free_decay
     assert -1.0 < (decay.attrs["start_s"] - release_s) * 250.0 < 12.0
     parts = {"from_s": release_s - 0.1, "to_s": release_s + 1.5, "start_s": 0.3, "end_s": 1.2}
-    decay = br.ringdown(v, mode_Hz=250.0, **known, **parts).free_decay
-    assert decay.attrs["start_s"] == pytest.approx(0.3, abs=1e-3)
-    assert decay.attrs["end_s"] == pytest.approx(1.2, abs=1e-3)
+    found = br.ringdown(v, mode_Hz=250.0, **known, **parts)
+    assert found.free_decay.attrs["start_s"] == pytest.approx(0.3, abs=1e-3)
+    assert found.free_decay.attrs["end_s"] == pytest.approx(1.2, abs=1e-3)
+    assert "decay           0.3 to 1.2 s, its end: end_s" in repr(found)
     with pytest.raises(ValueError, match="end_s must be in order"):
         br.ringdown(v, mode_Hz=250.0, **known, start_s=1.0, end_s=0.5)
 

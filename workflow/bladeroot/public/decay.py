@@ -87,6 +87,9 @@ class Ringdown:
                 f"  amplitude       {' to '.join(map(length, ends['amplitude'].values))}",
                 "  frequency       {:.5g} to {:.5g} Hz".format(*ends["frequency"].values),
                 "  loss factor     {:.3g} to {:.3g} %".format(*100.0 * ends["loss_factor"].values),
+                "  decay           {start_s:.4g} to {end_s:.4g} s, its end: {end_reason}".format(
+                    **self.free_decay.attrs
+                ),
             ]
         value, std = self.stick_frequency
         if np.isfinite(value):
