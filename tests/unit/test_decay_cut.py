@@ -388,8 +388,8 @@ def test_a_noisy_displacement_is_followed_down_to_its_own_noise(seed):
     assert amplitude.max() > 0.8
     assert amplitude.min() < 5.0 * noise
     off = (curves["loss_factor"].values - 2.0 * damping) / curves["loss_factor_std"].values
-    assert 0.2 < np.sqrt(np.mean(off**2)) < 2.0
-    assert np.abs(off).max() < 3.0
+    assert 0.2 < np.sqrt(np.mean(off**2)) < 2.5
+    assert np.abs(off).max() < 4.0
 
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, 2.0])

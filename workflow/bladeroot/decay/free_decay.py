@@ -9,14 +9,22 @@ from numpy import ndarray
 
 from bladeroot.decay.component_lines import ABOUT
 from bladeroot.decay.components import Separated, onset, separated
-from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, sensor_noise, too_fast_or_short
+from bladeroot.decay.cut import (
+    AMBIENT,
+    FEWEST_CYCLES,
+    LEAST_FALL,
+    coarse,
+    cut,
+    sensor_noise,
+    too_fast_or_short,
+)
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.overrides import in_band, shortened
 from bladeroot.decay.release import AT_ONCE, Release
 from bladeroot.quality.findings import clipping
 from bladeroot.quality.integrity import bridged, carried, examined, judge, unspiked
 from bladeroot.signal.lines import CLOSE_MODE_DISTANCE
-from bladeroot.signal.recording import Recording, uncut, velocity
+from bladeroot.signal.recording import Recording, difference_reach, uncut, velocity
 from bladeroot.variables import dataset
 
 # Cycles of the mode by which two looks at its release differ at most: a frame.
@@ -56,7 +64,8 @@ def free_decay(
     whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
     rate = recording.sampling_Hz
-    clear = bridged(motion, rate, expected_Hz)
+    edge = _edge(recording, expected_Hz)
+    clear = bridged(motion, rate, expected_Hz)[: motion.size - edge]
     steps = _steps(recording, expected_Hz)
     noise = _noise(recording, expected_Hz)
     seen = cut(clear, rate, expected_Hz, end, least=steps, noise=noise)
@@ -70,7 +79,9 @@ def free_decay(
         return judge(decay, motion, *asked, remarks=remarks)
     after = struck / rate if struck > seen.attrs["start_s"] * rate else None
     unclipped, told = _clipped(shortened(seen, clear, after, None), clear, expected_Hz, recording)
-    first = max(struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen), unclipped)
+    edge = edge if struck or seen.attrs["start_s"] * rate < edge else 0
+    let_go = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
+    first = max(struck + edge, let_go, unclipped)
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how in ("begins in the decay", AMBIENT):  # beats rise as slowly as they fall, too
         how = AT_ONCE
@@ -80,16 +91,17 @@ def free_decay(
         clear, reach = in_band(clear, rate, band_Hz, expected_Hz)
         clear, first, before = clear[:-reach], first + reach, max(struck - reach, 0)
     parts = separated(clear, rate, expected_Hz, modes_Hz, first, quiet=before)
-    release = Release(parts.first / rate, 0.0, how)
+    release = Release((parts.first - edge) / rate, 0.5 * edge / rate, how)
     lone = not parts.lines_Hz and parts.velocity is clear and band_Hz is None
     freed = seen
-    if struck or unclipped or not lone:
+    if struck or unclipped or edge or not lone:
         freed = cut(parts.velocity, rate, expected_Hz, end, release, steps, noise)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         blurred = _blurred(clear, parts.velocity, freed, steps, expected_Hz)
-        freed = cut(parts.velocity[:blurred], rate, expected_Hz, end, release, 0.0, noise)
-        if blurred < parts.velocity.size and freed.attrs["end_reason"] == "end of the record":
-            freed.attrs["end_reason"] = STEPPED
+        further = cut(parts.velocity[:blurred], rate, expected_Hz, end, release, 0.0, noise)
+        if blurred < parts.velocity.size and further.attrs["end_reason"] == "end of the record":
+            further.attrs["end_reason"] = STEPPED
+        freed = further if further.attrs["verdict"] == "usable" else freed
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
     if freed.sizes["time"] < 2 * reach:
@@ -217,6 +229,19 @@ def _clipped(
     if not found.counts:
         return 0, ()
     return seen.first + found.spans[-1][1], (("clipping", found.text),)
+
+
+def _edge(recording: Recording, expected_Hz: float) -> int:
+    """Samples whose velocity hangs on what is no free decay: the record's ends, a blow before.
+
+    That of a displacement is a slope over so many samples on either side. A record keeps the cycles
+    that it needs.
+    """
+    if recording.quantity != "displacement":
+        return 0
+    rate, samples = recording.sampling_Hz, recording.samples.size
+    spare = int(samples - np.ceil(2 * FEWEST_CYCLES * rate / expected_Hz))
+    return min(difference_reach(rate, expected_Hz), max(spare, 0))
 
 
 def _noise(recording: Recording, expected_Hz: float) -> float | None:
