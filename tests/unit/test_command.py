@@ -268,7 +268,10 @@ def test_explain_says_what_the_report_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     place = tmp_path / "results" / "c" / "diagnosis"
     place.mkdir(parents=True)
-    reason = "the simulation does not explain the stick frequency of mode 1B. none is like it"
+    reason = (
+        "the simulation does-not explain the stick-frequency of mode 1B; to decide: another force. "
+        "none is like it"
+    )
     said = verdict(causes=[cause()], structure=None, reason=reason, campaign="c")
     artifacts.save(found().assign_attrs(simulated=0), place / "linear.nc")
     for name in ("linear", "verdict"):

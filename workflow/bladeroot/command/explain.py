@@ -31,9 +31,20 @@ def command(campaign: str) -> None:
 
 
 def _beside(reason: str, lines: Sequence[str]) -> list[str]:
-    """What the long reason says and the lines do not; its sentences begin in lower case."""
-    told = "\n".join(lines).lower()
-    more = [one for one in reason.split(". ") if one.lower().rstrip(".") not in told]
+    """What the long reason says and the lines do not.
+
+    Its sentences begin in lower case, and have causes by their ids and what to measure next.
+    """
+    told = _plain("\n".join(lines))
+    more = [
+        one
+        for one in reason.split(". ")
+        if _plain(one).partition("; to decide:")[0].rstrip(".") not in told
+    ]
     return (
         ["Besides: " + ". ".join(one[0].upper() + one[1:] for one in more if one)] if more else []
     )
+
+
+def _plain(text: str) -> str:
+    return text.lower().replace("-", " ")

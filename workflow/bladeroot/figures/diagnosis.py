@@ -126,8 +126,9 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
                 )  # fmt: skip
     return Chart(
         "Frequency and loss factor over amplitude as change from the plateau (without one, from "
-        "their smaller amplitudes): measured (dots, with the errors that the verdict counts; what "
-        "is less sure than the whole range is left out), and compared (lines).",
+        "their smaller amplitudes): measured (dots, with the errors that the verdict counts, the "
+        "scatter of repeats and groups among them; what is less sure than the whole range is left "
+        "out), and compared (lines).",
         panels, traces, columns=len(modes), colours=load, simulated=simulated,
     )  # fmt: skip
 
