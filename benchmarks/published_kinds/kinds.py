@@ -1,6 +1,7 @@
 """The kinds: what is measured, how, and what a record of it is."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy import ndarray
@@ -324,8 +325,40 @@ def steady_line(rng: Generator) -> Record:
     )
 
 
+def floating_body(rng: Generator) -> Record:
+    """A moored body with drag, held and let go, in m off another place than that of its rest."""
+    f, start, loss = 1.0 / rng.uniform(5.0, 35.0), rng.uniform(2.0, 6.0), rng.uniform(0.04, 0.12)
+    viscous, rise, rate = rng.uniform(0.3, 0.8), rng.uniform(-0.02, 0.02), f * between(rng, 15, 250)
+    flow = Law(
+        lambda a: f * (1.0 + rise * (a / start) ** 2),
+        lambda a: loss * (viscous + (1.0 - viscous) * a / start),
+        start,
+    )
+    since = np.arange(int(rng.uniform(12.0, 20.0) * rate / f)) / rate - rng.uniform(0.0, 2.0) / f
+    x = flow.motion(since, start, 0.0, "displacement") + np.where(since < 0.0, start, 0.0)
+    x += white(rng, x, 5e-4, 5e-3, start) + rng.uniform(-2.0, 2.0)
+    return Record(x, rate, "displacement", f, flow.truth)
+
+
+def interpolated_video(rng: Generator) -> Record:
+    """Three to eight frames a cycle, from which lines are drawn to many more samples."""
+    f, start, finer = rng.uniform(1.0, 50.0), between(rng, 1e-4, 1e-2), int(rng.integers(4, 21))
+    frames_Hz = f * rng.uniform(3.3, 8.0)
+    record, since, _ = let_go(
+        rng, f, start, frames_Hz, (80.0, 400.0), "displacement", (0.0, 0.0), (5e-4, 5e-3)
+    )
+    many = since[0] + np.arange((since.size - 1) * finer) / (finer * frames_Hz)
+    gain = np.sinc(f / frames_Hz) ** 2  # of lines through samples, for a wave
+    return replace(
+        record,
+        samples=np.interp(many, since, record.samples),
+        rate=finer * frames_Hz,
+        truth=lambda a: record.truth(a / gain),
+    )
+
+
 KINDS = (
     sliders, clamped_beam, stop, dry_slide, ship_roll, internal_resonance, bolted_beam,
     tuning_fork, windy_tower, video, charge_amplifier, strain_gauge, speckle,
-    shaker_off, doublet, steady_line,
+    shaker_off, doublet, steady_line, floating_body, interpolated_video,
 )  # fmt: skip
