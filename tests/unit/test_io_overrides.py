@@ -14,9 +14,9 @@ KNOWN = {"record": "r", "mode": "m", "expected_Hz": F, "hold": "r", "direction":
 CUTTING, ESTIMATION = {"end": "noise"}, {"damping": "hysteretic"}
 
 
-def ring(seconds=4.0, begin=0.5, seed=0, other=0.0, decay=DECAY):
+def ring(seconds=4.0, begin=0.5, seed=0, other=0.0):
     t = np.arange(seconds * RATE) / RATE
-    free = np.where(t >= begin, np.exp(-decay * (t - begin)), 0.0)
+    free = np.where(t >= begin, np.exp(-DECAY * (t - begin)), 0.0)
     x = free * np.sin(2 * np.pi * F * t) + other * np.sin(2 * np.pi * 55.0 * t)
     noise = 1e-5 * np.random.default_rng(seed).standard_normal(t.size)
     return Recording(1e-2 * x + noise, RATE, "velocity")
@@ -36,7 +36,7 @@ def test_a_person_sets_where_the_decay_begins_and_ends():
 
 
 def test_keep_makes_findings_warn_and_shows_it():
-    short = ring(seconds=0.2, begin=0.0, decay=1.0)  # ten cycles of a decay that nobody saw begin
+    short = ring(seconds=0.2, begin=0.0)  # ten cycles of a decay that nobody saw begin
     dropped, kept = made(short)[0], made(short, keep=True, start_s=0.0, end_s=0.19)[0]
     assert dropped.attrs["verdict"] == "rejected"
     assert kept.attrs["verdict"] == "usable"
