@@ -24,7 +24,7 @@ FEWEST_CYCLES = 5
 LEAST_FALL = 2.0  # 6 dB: beats of a drive may fall by as much, not more
 FALL_AFTER_RELEASE = 1.1  # where it is known when the mode was let go
 FALL_THROUGHOUT = 1.25  # where it falls all the time, over this part of the record:
-THROUGHOUT = 0.85
+THROUGHOUT = 0.95
 
 # The smoothed envelope in which falls are looked for.
 SMOOTHING = 8  # frames
