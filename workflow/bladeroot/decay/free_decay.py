@@ -79,9 +79,9 @@ def free_decay(
         return judge(decay, motion, *asked, remarks=remarks)
     after = struck / rate if struck > seen.attrs["start_s"] * rate else None
     unclipped, told = _clipped(shortened(seen, clear, after, None), clear, expected_Hz, recording)
-    edge = edge if struck or seen.attrs["start_s"] * rate < edge else 0
+    skipped = edge if struck or seen.attrs["start_s"] * rate < edge else 0
     let_go = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
-    first = max(struck + edge, let_go, unclipped)
+    first = max(struck + skipped, let_go, unclipped)
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how in ("begins in the decay", AMBIENT):  # beats rise as slowly as they fall, too
         how = AT_ONCE
@@ -91,10 +91,10 @@ def free_decay(
         clear, reach = in_band(clear, rate, band_Hz, expected_Hz)
         clear, first, before = clear[:-reach], first + reach, max(struck - reach, 0)
     parts = separated(clear, rate, expected_Hz, modes_Hz, first, quiet=before)
-    release = Release((parts.first - edge) / rate, 0.5 * edge / rate, how)
+    release = Release((parts.first - skipped) / rate, 0.5 * skipped / rate, how)
     lone = not parts.lines_Hz and parts.velocity is clear and band_Hz is None
     freed = seen
-    if struck or unclipped or edge or not lone:
+    if struck or unclipped or skipped or not lone:
         freed = cut(parts.velocity, rate, expected_Hz, end, release, steps, noise)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         blurred = _blurred(clear, parts.velocity, freed, steps, expected_Hz)
