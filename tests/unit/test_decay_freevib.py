@@ -4,7 +4,7 @@ import importlib
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import freevib, no_decay, surely_known
+from bladeroot.decay.freevib import freevib, mostly, no_decay, surely_known
 from bladeroot.plateau.plateau import plateau
 from bladeroot.signal.phasors import natural
 from decay_bench import START, backbone, ring_down, ringing, separated_curves, slider
@@ -344,6 +344,20 @@ def test_a_decay_whose_only_noise_is_its_rounding(bits):
     exact = 500.0 * np.sqrt(1.0 - 0.002**2)
     miss = float(found["stick_frequency"]) - exact
     assert abs(miss) < 5.0 * float(found["stick_frequency_std"])
+
+
+@pytest.mark.parametrize(
+    ("known", "kept"),
+    [
+        ("..####..####..", (2, 12)),  # a short doubtful part between is kept
+        ("##....#####.", (6, 11)),  # a few points known beyond a longer one are not
+        (".###....##", (1, 4)),
+        ("#", (0, 1)),
+        ("##..##", (0, 2)),  # of two alike, the first
+    ],
+)
+def test_the_stretch_of_a_curve_in_which_most_points_are_known(known, kept):
+    assert mostly(np.array([one == "#" for one in known])) == kept
 
 
 def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):

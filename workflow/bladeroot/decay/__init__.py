@@ -6,6 +6,7 @@ decay, which begins by `release` and ends by `ending`; `components` takes off wh
 from the mode: `component_lines`; near it: a tone that does not decay, `steady`, a louder mode's
 `harmonic`, a second mode that dies before the two beat, `twofold`), `track` follows the mode
 (blocks that a knock threw off get larger errors; noise that shakes the mode: `shaken`), `freevib`
-makes the curves (3.1 to 3.13) and their errors, `pff` the second opinion by peak fitting, which
-`agreement` compares. What a person overrules is done in `overrides`.
+makes the curves (3.1 to 3.13), whose errors hold what is no law, too (`curve_errors`), `pff` the
+second opinion by peak fitting, which `agreement` compares. What a person overrules is done in
+`overrides`.
 """

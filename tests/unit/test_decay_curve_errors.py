@@ -1,10 +1,10 @@
-"""What a curve's stated errors hold: starts, drives, sways, modes beside it, gains."""
-
-import sys
+"""What a curve's stated errors hold: starts, drives, sways, modes beside it, bumps."""
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import acting, beats, driven, freevib, gains
+from bladeroot.decay import curve_errors
+from bladeroot.decay.curve_errors import acting, beats, bumps, driven
+from bladeroot.decay.freevib import freevib
 from bladeroot.signal.phasors import Phasors
 from decay_bench import START, ring_down, ringing, separated_curves
 
@@ -78,7 +78,7 @@ def test_errors_that_are_large_fall_no_faster_than_what_acts_dies():
 def test_errors_are_larger_where_damping_is_hardly_known(monkeypatch):
     velocity, noise, *_ = ring_down(3, noise_db=40)
     stated = separated_curves(velocity, 25600.0, 247.0, noise)
-    monkeypatch.setattr(sys.modules[freevib.__module__], "WEAK", 0.0)
+    monkeypatch.setattr(curve_errors, "WEAK", 0.0)
     plain = separated_curves(velocity, 25600.0, 247.0, noise)
     part = (plain["loss_factor_std"] / plain["loss_factor"]).values
     assert part[24:].min() < 0.01
@@ -146,24 +146,34 @@ def test_a_law_that_turns_a_few_times_does_not_beat(turns):
     assert not beats(-fall, law, np.full(law.shape, 1e-4)).any()
 
 
-def test_where_a_mode_gains_its_rates_are_as_wrong_as_that():
-    growth, std = np.full(40, -2.0), np.full(40, 0.1)
-    growth[18:21] = 0.29, 0.5, 0.31  # within three errors at first
-    growth[5] = 0.2
-    error = gains(growth, std)
-    expected = np.zeros(40)
-    expected[15:25] = 0.5  # two points that gain, and four on either side
-    assert np.array_equal(error, expected)
-    assert not gains(np.full(4, -1.0), np.full(4, 0.1)).any()
-    assert np.array_equal(gains(np.ones(4), np.full(4, 0.1)), np.ones(4))
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_bump_too_narrow_for_a_law_is_in_the_errors_of_both_rates(sign):
+    """The rates swing at one place; the one that swings less is unsure by its own half."""
+    fall = np.linspace(0.0, 3.0, 301)
+    bump = np.exp(-(((fall - 1.0) / 0.03) ** 2))
+    rates = np.stack([-4.0 - 0.1 * sign * bump, 200.0 + sign * bump])
+    found = bumps(-fall, rates, np.full(rates.shape, 0.01))
+    off = np.abs(fall - 1.0)
+    np.testing.assert_allclose(found[:, off < 0.05].max(axis=1), [0.05, 0.5], rtol=0.02)
+    assert (found[:, off < 0.05] > 0.0).all()
+    assert not found[:, off > 0.2].any()
 
 
-def test_a_second_mode_that_dies_sooner_and_lets_the_envelope_rise_is_in_the_errors():
-    rate = 2000.0
-    time = np.arange(int(rate)) / rate
-    own = 0.01 * np.exp(-0.5 * time) * np.cos(2.0 * np.pi * 100.0 * time)
-    other = 0.02 * np.exp(-5.0 * time) * np.cos(2.0 * np.pi * 101.0 * time)
-    velocity = own + other + 1e-5 * np.random.default_rng(1).standard_normal(time.size)
-    found = freevib(velocity, rate, 100.0, 1e-5)
-    assert found.sizes["point"] > 50
-    assert (found["loss_factor"] > -3.0 * found["loss_factor_std"]).all()
+@pytest.mark.parametrize(("width", "height"), [(0.3, 1.0), (0.03, 0.04)])
+def test_a_law_s_own_hump_and_noise_are_no_bumps(width, height):
+    fall = np.linspace(0.0, 3.0, 301)
+    law = height * np.exp(-(((fall - 1.0) / width) ** 2)) + 10.0 * fall
+    law += 0.01 * np.random.default_rng(4).standard_normal(fall.size)
+    assert not bumps(-fall, np.stack([law, law]), np.full((2, fall.size), 0.02)).any()
+
+
+def test_a_slip_of_phase_within_a_decay_is_in_the_errors():
+    at = np.arange(51200) / 25600.0
+    noise = 1e-3 * START
+    slip = np.where(at > 1.0, 0.1, 0.0)
+    velocity = START * np.exp(-1.5 * at) * np.cos(2.0 * np.pi * 250.0 * at + slip)
+    velocity += noise * np.random.default_rng(0).standard_normal(at.size)
+    curve = freevib(velocity, 25600.0, 250.0, noise)
+    z = np.abs(curve["frequency"].values - 250.0) / curve["frequency_std"].values
+    assert np.abs(curve["frequency"].values - 250.0).max() > 0.1
+    assert z.max() < 4.0
