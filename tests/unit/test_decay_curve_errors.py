@@ -1,9 +1,9 @@
-"""What a curve's stated errors hold: starts, drives, sways, modes beside it, bumps."""
+"""What a curve's stated errors hold: starts, drives, sways, modes beside it, gains, bumps."""
 
 import numpy as np
 import pytest
 from bladeroot.decay import curve_errors
-from bladeroot.decay.curve_errors import acting, beats, bumps, driven
+from bladeroot.decay.curve_errors import acting, beats, bumps, driven, gains
 from bladeroot.decay.freevib import freevib
 from bladeroot.signal.phasors import Phasors
 from decay_bench import START, ring_down, ringing, separated_curves
@@ -146,6 +146,18 @@ def test_a_law_that_turns_a_few_times_does_not_beat(turns):
     assert not beats(-fall, law, np.full(law.shape, 1e-4)).any()
 
 
+def test_where_a_mode_gains_its_rates_are_as_wrong_as_that():
+    growth, std = np.full(40, -2.0), np.full(40, 0.1)
+    growth[18:21] = 0.29, 0.5, 0.31  # within three errors at first
+    growth[5] = 0.2
+    error = gains(growth, std)
+    expected = np.zeros(40)
+    expected[15:25] = 0.5  # two points that gain, and four on either side
+    assert np.array_equal(error, expected)
+    assert not gains(np.full(4, -1.0), np.full(4, 0.1)).any()
+    assert np.array_equal(gains(np.ones(4), np.full(4, 0.1)), np.ones(4))
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_bump_too_narrow_for_a_law_is_in_the_errors_of_both_rates(sign):
     """The rates swing at one place; the one that swings less is unsure by its own half."""
@@ -177,3 +189,14 @@ def test_a_slip_of_phase_within_a_decay_is_in_the_errors():
     z = np.abs(curve["frequency"].values - 250.0) / curve["frequency_std"].values
     assert np.abs(curve["frequency"].values - 250.0).max() > 0.1
     assert z.max() < 4.0
+
+
+def test_a_second_mode_that_dies_sooner_and_lets_the_envelope_rise_is_in_the_errors():
+    rate = 2000.0
+    time = np.arange(int(rate)) / rate
+    own = 0.01 * np.exp(-0.5 * time) * np.cos(2.0 * np.pi * 100.0 * time)
+    other = 0.02 * np.exp(-5.0 * time) * np.cos(2.0 * np.pi * 101.0 * time)
+    velocity = own + other + 1e-5 * np.random.default_rng(1).standard_normal(time.size)
+    found = freevib(velocity, rate, 100.0, 1e-5)
+    assert found.sizes["point"] > 40
+    assert (found["loss_factor"] > -3.0 * found["loss_factor_std"]).all()

@@ -12,6 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import find_peaks
 
 from bladeroot.signal.phasors import Phasors
+from bladeroot.signal.runs import runs
 
 # The first blocks, in which a blow or a drive may still act (`acting`). They are compared with a
 # parabola in time through twice as many later blocks.
@@ -26,6 +27,10 @@ PLAIN = 2.0  # fall of ln A in all those blocks, beyond which no law is a parabo
 STEEPEST = 2.0
 DRIVEN_FALL = 0.3  # of ln A from the start, in which it is looked for
 DRIVEN_ERRORS = 3.0  # standard errors by which the damping is too small
+
+# A free mode gains nothing (`gains`).
+GAIN_ERRORS = 3.0  # standard errors by which it does where another one is followed, or acts on it
+GAIN_REACH = 2  # times their number, points on either side that are as wrong
 
 # What waves all along a decay is no law of amplitude, which bends a few times (`waves`).
 SEGMENT = 1.0  # fall of ln A in a segment through which a parabola in ln A is laid
@@ -71,6 +76,7 @@ def widened(
         rates, error = value[order], std[order]
         sways = [waves(level, *one) for one in zip(rates, error, strict=True)]
         wide[order] = np.hypot(error, np.maximum(sways, beats(level, rates, error)))
+    act = np.hypot(act, gains(value[1, 0], wide[1, 0]))
     wide[1] = np.hypot(wide[1], np.hypot(act, driven(level, -value[1, 0], wide[1, 0])))
     # what is unsure at the start is so for some blocks more
     blocks = since / START_BLOCKS
@@ -209,6 +215,21 @@ def _missed(blocks: Phasors, first: int, count: int) -> tuple[Complex[ndarray, "
     variance += (BENDS * np.abs(bent - straight)[early]) ** 2
     missed = 0.5 * np.abs(bent[early]) ** 2 / variance
     return bent[early], float(np.mean(missed[: (count + 1) // 2]))
+
+
+def gains(
+    growth: Float[ndarray, " point"], std: Float[ndarray, " point"]
+) -> Float[ndarray, " point"]:
+    """Standard error of either rate (1/s) where a mode gains, as no free one does.
+
+    growth: the rate at which ln A rises (1/s); std: its standard error.
+    """
+    error = np.zeros(growth.size)
+    for first, stop in runs(growth > GAIN_ERRORS * std):
+        reach = GAIN_REACH * (stop - first)
+        near = slice(max(first - reach, 0), stop + reach)
+        error[near] = np.maximum(error[near], growth[first:stop].max())
+    return error
 
 
 def driven(
