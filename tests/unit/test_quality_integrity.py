@@ -10,41 +10,14 @@ from bladeroot.decay.cut import cut, rejected
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.io.recording import recording
 from bladeroot.quality.findings.sampling_rate import RATIOS
-from bladeroot.quality.integrity import bridged, carried, checks, examine, examined, judge
-from bladeroot.signal.lines import white_noise
+from bladeroot.quality.integrity import carried, checks, examine, examined, judge
 from bladeroot.signal.recording import Recording, velocity
 from decay_bench import RATE, START, coulomb_decay, course, levels, ring_down, ringing, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from judging import decay, ids, judged, text, uncut
 
 DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "findings.md"
-
-
-def judged(velocity, expected_Hz=250.0, sampling_Hz=RATE, **more):
-    decay = cut(bridged(velocity, sampling_Hz, expected_Hz), sampling_Hz, expected_Hz)
-    return judge(decay, velocity, expected_Hz, **more)
-
-
-def uncut(velocity, end_reason="end of the record", **more):
-    """Judgement of a record that is a decay from end to end."""
-    attrs = {
-        "sampling_Hz": RATE, "start_s": 0.0, "end_s": velocity.size / RATE,
-        "end_reason": end_reason, "noise_velocity": white_noise(velocity), "findings": "",
-    }  # fmt: skip
-    return judge(xr.Dataset({"velocity": ("time", velocity)}, attrs=attrs), velocity, 250.0, **more)
-
-
-def ids(found):
-    return set(found["finding_id"].values.tolist())
-
-
-def text(found, name):
-    return str(found["finding_text"].values[found["finding_id"].values == name][0])
-
-
-def decay(**more):
-    """A lively decay: softening, second mode, 50 dB noise."""
-    return ring_down(**({"second": 0.1, "noise_db": 50, "bits": 16} | more))[0]
 
 
 def time_of(velocity):
@@ -174,74 +147,6 @@ def test_the_mode_carries_a_record_over_a_gap(quantity, length):
     assert off.max() < 0.05 * np.abs(one[7900:8000]).max()
 
 
-def stepped(factor, at, noise=1e-3):
-    """A decay whose mode changes by a complex factor at a sample."""
-    from scipy.signal import hilbert
-
-    analytic = hilbert(ring_down(second=0.0, noise_db=120, bits=24)[0])
-    after = np.arange(analytic.size) >= at
-    velocity = np.where(after, analytic * factor, analytic).real
-    return velocity + noise * START * np.random.default_rng(0).standard_normal(after.size)
-
-
-@pytest.mark.parametrize("factor", [1.1, np.exp(-0.1j)])
-def test_shaker_recontact(factor):
-    found = judged(stepped(factor, 12000))
-    assert "shaker-recontact" in ids(found)
-    usable = found["usable"].values == 1
-    assert usable.mean() > 0.2
-    # nothing on one side of the step is used, and three cycles around it neither
-    kept = np.flatnonzero(usable)
-    assert kept[0] > 12000 or kept[-1] < 12000
-
-
-def test_missing_samples():
-    velocity = np.delete(decay(second=0.0, bits=24), slice(12000, 12040))
-    found = judged(velocity)
-    kept = found.attrs["start_s"], found.attrs["end_s"]
-    assert "gap" in ids(found) or not kept[0] < 12000 / RATE < kept[1]
-
-
-@pytest.mark.parametrize("factor", [1.01, np.exp(0.01j)])
-def test_the_cycles_beside_a_small_step_are_masked(factor):
-    found = judged(stepped(factor, 15000, 5e-5))
-    assert ids(found) == {"shaker-recontact"}
-    masked = np.flatnonzero(found["usable"].values == 0) + round(found.attrs["start_s"] * RATE)
-    assert 28 < masked.size * 250.0 / RATE < 45
-    assert masked.mean() == pytest.approx(15000, abs=5 * RATE / 250.0)
-
-
-@pytest.mark.parametrize(("factor", "told"), [(1.1, True), (1.01, True), (1.0045, False)])
-def test_when_a_decay_steps_stands_beside_it_whether_it_is_told_or_not(factor, told):
-    found = judged(stepped(factor, 15000, 5e-5))
-    assert ("shaker-recontact" in ids(found)) == told == (found.attrs["step_ratio"] > 1.0)
-    assert found.attrs["step_s"] == pytest.approx(15000 / RATE, abs=3.0 / 250.0)
-
-
-def without(lost, at=14000):
-    """A decay without some samples, or with some twice."""
-    velocity = coulomb_decay(0.2, 0.003)
-    return np.concatenate([velocity[:at], velocity[at + lost :]])
-
-
-@pytest.mark.parametrize("lost", [1, 2, -1])
-def test_a_step_in_phase_by_whole_samples_is_a_gap(lost):
-    found = judged(without(lost))
-    assert "gap" in ids(found)
-    assert "shaker-recontact" not in ids(found)
-
-
-@pytest.mark.parametrize(("lost", "what"), [(512, "missing (512"), (-1024, "repeated (1024")])
-def test_a_step_that_a_longer_gap_would_make_is_told_as_either(lost, what):
-    told = text(judged(without(lost)), "shaker-recontact")
-    assert f"or samples are {what} would fit)" in told
-
-
-def test_a_step_that_no_gap_makes_is_a_touch():
-    told = text(judged(stepped(1.04 * np.exp(0.1j), 12000)), "shaker-recontact")
-    assert told.startswith("a disturbance, as if something touched the specimen: ")
-
-
 @pytest.mark.parametrize(("other_Hz", "finding"), [(262.0, "mode-beating"), (215.0, "leftover")])
 def test_a_close_mode_beats_and_a_farther_one_is_no_close_mode(other_Hz, finding):
     clean = decay()
@@ -369,20 +274,6 @@ def test_an_accelerometer_is_clipped_in_its_own_unit():
     assert "m/s^2, the last" in text(found, "clipping")
     masked = 25600.0 * found["finding_to_s"].values[found["finding_id"].values == "clipping"]
     assert not found["usable"].values[: int(masked.item())].any()
-
-
-@pytest.mark.parametrize(("plateau", "more"), [(0.005, 5.0), (0.003, 9.0)])
-def test_a_hump_of_damping_without_softening_is_no_touch(plateau, more):
-    """A damping ratio that is up to 6 or 10 times its plateau's where ln A falls by some units."""
-    level = -np.linspace(0.0, 9.0, 20_001)
-    part = np.exp(level) / 0.2
-    rate = 2.0 * np.pi * 250.0 * plateau * (1.0 + 4.0 * more * part / (1.0 + part) ** 2)
-    slope = 1.0 / rate
-    at = np.append(0.0, np.cumsum(0.5 * (slope[1:] + slope[:-1]) * (level[0] - level[1])))
-    time = np.arange(int(min(at[-1], 4.0) * RATE)) / RATE
-    velocity = START * np.exp(np.interp(time, at, level)) * np.cos(2.0 * np.pi * 250.0 * time)
-    velocity += 1e-4 * START * np.random.default_rng(0).standard_normal(time.size)
-    assert "shaker-recontact" not in ids(uncut(velocity))
 
 
 def test_driven_residue():

@@ -79,8 +79,8 @@ class Frames:
     """Log-phasor of the mode in frames of `FRAME_CYCLES` cycles, a cycle apart.
 
     `centre` is in samples; `log` is ln(velocity amplitude) + i (phase against `frequency_Hz`),
-    `std` its standard error from white noise. `row` makes a frame's phasor from its samples; a
-    frame that overlaps a long span of blind samples is not `whole`.
+    `std` its standard error from noise as loud as it is around the mode. `row` makes a frame's
+    phasor from its samples; a frame that overlaps a long span of blind samples is not `whole`.
     """
 
     frequency_Hz: float
@@ -169,13 +169,13 @@ class Examined:
             one * f for one in ratio if any(low < one < high for low, high in OTHER_MODE_BANDS)
         ]
         found = tapered(x, rate, f, hop, width, tuple(lines) if width >= FIT_OTHERS_SAMPLES else ())
-        log, half = found.log, 0.5 * width
+        log, half, own = found.log, 0.5 * width, np.linalg.norm(found.solver[0])
         return Frames(
             frequency_Hz=f,
             hop=hop,
             centre=found.centre,
             log=log,
-            std=self.floor * np.linalg.norm(found.solver[0]) * np.exp(-log.real),
+            std=max(self.noise_around, self.floor) * own / np.exp(log.real),
             row=found.solver[0] - 1j * found.solver[1],
             whole=self.free(found.centre - half, found.centre + half),
         )
