@@ -224,11 +224,12 @@ class Examined:
         relative = frequency / self.own_Hz
         around = np.any([(relative > low) & (relative < high) for low, high in NOISE_BANDS], axis=0)
         around &= frequency < UNFILTERED_PART * frequency[-1]
-        if around.sum() < FEWEST_NOISE_LINES:
+        if around.sum() < FEWEST_NOISE_LINES or not self.floor:
             return self.noise
         # of white noise, the median of chi2_2
         white = 4.0 * np.log(2.0) * TAPER_NOISE_BANDWIDTH * self.floor**2 / (count * self.few)
-        excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
+        power = float(np.median(np.abs(spectra[1, around]) ** 2))
+        excess = np.log(max(power / white, 1.0))
         sure = max(
             COLOURED_NOISE_ERRORS * MEDIAN_POWER_ERROR / np.sqrt(around.sum() / 2.0), np.log(2.0)
         )
