@@ -6,7 +6,7 @@ import numpy as np
 from numpy import ndarray
 
 from bladeroot.io.channel import FEWEST_SAMPLES
-from bladeroot.io.sampling import uniform
+from bladeroot.io.sampling import evened, uniform
 from bladeroot.io.units import motion
 from bladeroot.signal.recording import SI, Recording, filled
 
@@ -80,7 +80,14 @@ def recording(
     if lost.size:
         raw = filled(raw, lost)
     if time is not None:
-        sampling_Hz, start_s = uniform(time, count, where, sampling_Hz)
+        try:
+            sampling_Hz, start_s = uniform(time, count, where, sampling_Hz)
+        except ValueError:
+            made = evened(np.asarray(time, float)[: raw.size], raw.astype(float))
+            if made is None:
+                raise
+            raw, sampling_Hz, start_s, told = made
+            notes += (f"{told} ({where})",)
     elif sampling_Hz is None or not (np.isfinite(sampling_Hz) and sampling_Hz > 0.0):
         raise ValueError(
             f"expected a time column or a positive sampling_Hz, got sampling_Hz {sampling_Hz} "

@@ -5,10 +5,17 @@ from fractions import Fraction
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.interpolate import CubicSpline
 
 # Tolerance over the spacing of a kind of frequencies (1000 Hz of its multiples) up to which one of
 # them is hardly near by chance.
 LARGEST_TOLERANCE = 0.125
+
+MOST_UNEVEN = 0.5  # of a step, that times lie off even ones: beyond, a sample is missing or twice
+# What a cubic through a sample's four neighbours misses of it (rms), over the samples' rms: with
+# more, there are too few samples a cycle to say what lies between them.
+MOST_MISSED = 0.1
 
 
 def uniform(
@@ -49,6 +56,47 @@ def uniform(
     error = float(np.std(off)) * np.sqrt(12.0 / count**3) / step
     rate = 1.0 / step
     return usual_rate(rate, 3.0 * error + 1e-9) or rate, float(middle + step * index[0])
+
+
+def evened(
+    time: Float[ndarray, " time"], samples: Float[ndarray, " sample"]
+) -> tuple[Float[ndarray, " sample"], float, float, str] | None:
+    """Samples at even times, their sampling frequency and first time, and what is told of it.
+
+    For times that scatter about even ones by less than half a step. Either the samples were taken
+    at these times, and are interpolated, or a computer wrote down when it got them: the samples
+    themselves tell, by whether each lies on the cubic through its neighbours. None where the times
+    do not rise, scatter by more or are even ones of too few digits (whose steps have two lengths),
+    and where samples are too few a cycle.
+    """
+    count = samples.size
+    if time.shape != samples.shape or not (np.diff(time) > 0.0).all():
+        return None
+    step, first = np.polyfit(np.arange(count), time, 1)
+    even = first + step * np.arange(count)
+    lengths = np.unique(np.round(np.diff(time) / step, 6))
+    off = np.abs(time - even).max() / step
+    rms = float(np.std(samples))
+    missed = [_missed(one, samples) / rms for one in (even, time)] if rms else [np.inf]
+    if off > MOST_UNEVEN or lengths.size <= 2 or min(missed) > MOST_MISSED:
+        return None
+    told = f"times lie up to {100.0 * off:.2g} % of a step off even ones"
+    if missed[0] <= missed[1]:
+        return samples, 1.0 / step, float(first), f"{told}; the samples do not, and count as even"
+    told += ", and the samples were taken at these: interpolated to even ones"
+    return CubicSpline(time, samples)(even), 1.0 / step, float(first), told
+
+
+def _missed(time: Float[ndarray, " sample"], samples: Float[ndarray, " sample"]) -> float:
+    """Rms of what cubics through two neighbours on either side miss of each sample."""
+    at, value = (sliding_window_view(one, 5) for one in (time, samples))
+    around = np.delete(at, 2, axis=1) - at[:, 2:3]
+    weights = np.ones(around.shape)
+    for k in range(4):
+        for other in {0, 1, 2, 3} - {k}:
+            weights[:, k] *= around[:, other] / (around[:, other] - around[:, k])
+    miss = (weights * np.delete(value, 2, axis=1)).sum(axis=1) - value[:, 2]
+    return float(np.sqrt(np.mean(miss**2)))
 
 
 def _fault(time: Float[ndarray, " sample"], steps: Float[ndarray, " step"]) -> str:
