@@ -29,10 +29,10 @@ from pathlib import Path
 
 import numpy as np
 from bladeroot.decay.cut import cut
-from bladeroot.decay.pff import peak_fit
 from bladeroot.decay.record import analyse
 from bladeroot.plateau.plateau import plateau
 from bladeroot.quality.integrity import judge
+from bladeroot.quality.peak_fit import peak_fit
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording
 from foreign_lab.score import with_table

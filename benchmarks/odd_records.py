@@ -23,7 +23,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from bladeroot.decay.record import analyse
+from bladeroot.decay.from_file import of_recording
 from bladeroot.signal.recording import Recording
 from drawn_world.verdicts import NOT_OF_THE_CURVE, TOLERANCE, wrong_points
 from scipy.integrate import cumulative_trapezoid
@@ -223,7 +223,7 @@ def scored(seed: int) -> list[dict]:
             "other_modes_Hz": others, "simulated": False,
         }  # fmt: skip
         recording = Recording(event.samples, event.rate, "velocity")
-        judged, decay, _ = analyse(recording, known, CUTTING, ESTIMATION)
+        judged, decay, _ = of_recording(recording, known, CUTTING, ESTIMATION)
         told = {str(one) for one in judged["finding_id"].values} - NOT_OF_THE_CURVE
         if int(decay.get("pff_agrees", 1)) == 0:
             told.add("peak-fitting-differs")

@@ -19,7 +19,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 import xarray as xr
-from bladeroot.decay.record import analyse, recorded
+from bladeroot.decay.from_file import recorded
+from bladeroot.decay.record import analyse
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.facts import record_facts
 from bladeroot.signal.recording import Recording

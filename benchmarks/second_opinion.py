@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from bladeroot.decay.agreement import THRESHOLD, compare
-from bladeroot.decay.pff import peak_fit
+from bladeroot.quality.agreement import THRESHOLD, compare
+from bladeroot.quality.peak_fit import peak_fit
 from bladeroot.reproduction.thesis_filters import thesis_freevib
 from scipy.stats import binomtest
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from bladeroot.decay.record import estimate, from_file
+from bladeroot.decay.from_file import from_file
+from bladeroot.decay.record import estimate
 from bladeroot.pooling.sensors import close_elsewhere, passed_ends, shared_steps, unlike_sensors
 
 CUTTING = {"end": "noise"}

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import scale
-from bladeroot.decay.record import from_file
+from bladeroot.decay.from_file import from_file
 from bladeroot.io.campaign import load_campaign
 
 

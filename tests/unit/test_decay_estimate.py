@@ -7,6 +7,7 @@ from bladeroot import artifacts
 from bladeroot.decay.freevib import freevib
 from bladeroot.decay.record import estimate
 from bladeroot.plateau.plateau import record_plateau
+from bladeroot.quality.second_opinion import with_second_opinion
 from bladeroot.reproduction.thesis_filters import thesis_freevib
 from decay_bench import ring_down
 
@@ -26,7 +27,7 @@ def cut():
 @pytest.mark.parametrize("estimator", [freevib, thesis_freevib])
 @pytest.mark.parametrize("damping", ["hysteretic", "viscous"])
 def test_every_choice_ends_in_a_stick_frequency(cut, estimator, damping, tmp_path):
-    found = estimate(cut, damping, estimator=estimator)
+    found = with_second_opinion(estimate(cut, damping, estimator=estimator), cut)
     assert {"point", "block", "peak"} <= set(found.dims)
     assert int(found["pff_agrees"]) == 1
     assert all("units" in variable.attrs for variable in found.data_vars.values())
@@ -41,7 +42,7 @@ def test_masked_samples_reach_the_estimators(cut):
     spoiled = cut.copy(deep=True)
     spoiled["velocity"][8000:8010] = 0.4
     spoiled["usable"][8000:8010] = 0
-    found = estimate(spoiled)
+    found = with_second_opinion(estimate(spoiled), spoiled)
     assert int(found["pff_agrees"]) == 1
     assert float(found["frequency"].median()) == pytest.approx(
         float(estimate(cut)["frequency"].median()), rel=1e-4
@@ -55,7 +56,9 @@ def test_a_start_that_is_masked_is_no_part_of_the_curve(cut, estimator, masked_s
     count = int(masked_s * 25600.0)
     spoiled["velocity"][:count] *= 3.0
     spoiled["usable"][:count] = 0
-    whole, found = (estimate(one, estimator=estimator) for one in (cut, spoiled))
+    whole, found = (
+        with_second_opinion(estimate(one, estimator=estimator), one) for one in (cut, spoiled)
+    )
     assert masked_s - 1e-4 < float(found["block_time"][0]) < masked_s + 0.1
     assert int(found["pff_agrees"]) == 1
     middle = slice(found.sizes["point"] // 4, found.sizes["point"] // 2)
@@ -79,7 +82,7 @@ def test_a_curve_far_off_at_another_known_mode_is_refused(cut, expected_Hz, othe
 
 def test_a_rejected_record_has_no_points(cut):
     rejected = cut.assign_attrs(verdict="rejected", reason="clipped")
-    found = estimate(rejected)
+    found = with_second_opinion(estimate(rejected), rejected)
     assert found.sizes["point"] == found.sizes["peak"] == 0
     assert np.isnan(found["pff_frequency_difference"])
     short = estimate(cut.isel(time=slice(0, 400)), estimator=thesis_freevib)

@@ -12,7 +12,8 @@ from bladeroot.diagnosis.observations import (
 )
 from bladeroot.diagnosis.stick_model import stick_data
 from bladeroot.plateau.plateau import RECORD_VARIABLES
-from bladeroot.pooling.stick import stick_from_records, stick_from_table
+from bladeroot.pooling.stick import stick_from_records
+from bladeroot.pooling.stick_table import stick_from_table
 
 FACTS = {
     "same_everywhere": 1253.0, "of_reading": 0.01, "scale": 179.0,

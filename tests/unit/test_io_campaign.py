@@ -11,7 +11,7 @@ from bladeroot.io.outliers import outliers
 from bladeroot.io.read import read
 from bladeroot.io.stick_rows import stick_table
 from bladeroot.loads import shown
-from bladeroot.pooling.stick import stick_from_table
+from bladeroot.pooling.stick_table import stick_from_table
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -23,7 +23,8 @@ def ring(seconds=4.0, begin=0.5, seed=0, other=0.0):
 
 
 def made(recording=None, **row):
-    return analyse(recording or ring(), {**KNOWN, **row}, CUTTING, ESTIMATION)
+    known = {**KNOWN, **row, "overruled": overruled(row)}
+    return analyse(recording or ring(), known, CUTTING, ESTIMATION)
 
 
 def test_a_person_sets_where_the_decay_begins_and_ends():

@@ -9,7 +9,8 @@ import xarray as xr
 from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.components import pool
 from bladeroot.pooling.scatter_of_table import scatter_about_law
-from bladeroot.pooling.stick import stick_from_records, stick_from_table
+from bladeroot.pooling.stick import stick_from_records
+from bladeroot.pooling.stick_table import stick_from_table
 from scipy.stats import t
 
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from bladeroot import artifacts
 from bladeroot.command.main import main
-from bladeroot.pooling.stick import stick_from_table
+from bladeroot.pooling.stick_table import stick_from_table
 from bladeroot.report.compare import Side, _over_amplitude, compared, page, text
 from click.testing import CliRunner
 from report_bench import SEATING, cause, verdict

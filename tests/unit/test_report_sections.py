@@ -10,7 +10,7 @@ from bladeroot.figures.curves import records
 from bladeroot.figures.stick import over_load
 from bladeroot.figures.still import still
 from bladeroot.figures.style import panels, plain_log_scale, svg
-from bladeroot.pooling.stick import stick_from_table
+from bladeroot.pooling.stick_table import stick_from_table
 from bladeroot.report.bad_records import bad_lines
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.measurement import scatter_parts, stick_section

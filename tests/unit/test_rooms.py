@@ -29,6 +29,7 @@ ALLOWED = {
     "bench": set(),
     "reproduction": {
         "signal",
+        "quality",
         "decay",
         "plateau",
         "fem",
@@ -111,7 +112,7 @@ def test_a_room_imports_only_what_it_may(room):
 
 def test_the_analysis_of_samples_reads_no_file():
     readers = [path for path in (LIBRARY / "decay").glob("*.py") if "io" in rooms_of(path)]
-    assert [path.name for path in readers] == ["record.py"]
+    assert [path.name for path in readers] == ["from_file.py"]
 
 
 def test_nothing_but_its_own_script_uses_the_bench():

@@ -29,7 +29,7 @@ def main(raw, facts, campaign, record_settings, decay_settings, code, folder, ba
         if known["record"] in current:
             statement.renew(part)
             continue
-        from bladeroot.decay.record import from_file, not_analysed
+        from bladeroot.decay.from_file import from_file, not_analysed
         from bladeroot.reproduction.thesis_filters import estimation
 
         try:

@@ -7,7 +7,8 @@ from _cli import run
 from bladeroot import artifacts
 from bladeroot.io.load import load_facts, load_of
 from bladeroot.io.stick_rows import stick_table
-from bladeroot.pooling.stick import stick_from_records, stick_from_table
+from bladeroot.pooling.stick import stick_from_records
+from bladeroot.pooling.stick_table import stick_from_table
 
 
 def main(sources, campaign, load, settings, output):

@@ -1,28 +1,19 @@
-"""One raw record to all its artifacts: read, as a person overrules it, with a second opinion."""
+"""One recording to the decay, the curves and the plateau of a mode, as a person overrules it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from bladeroot.decay.agreement import compare
-from bladeroot.decay.cut import LEAST_FALL, rejected
+from bladeroot.decay.cut import LEAST_FALL
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.freevib import freevib, no_decay, surely_known
 from bladeroot.decay.overrides import banded, kept, within
-from bladeroot.decay.pff import no_peaks, peak_fit
-from bladeroot.io.overrides import overruled
-from bladeroot.io.read import read
-from bladeroot.io.recording import part
 from bladeroot.plateau.plateau import record_plateau
-from bladeroot.quality.findings.wrong_mode import FAR_FROM_EXPECTED
-from bladeroot.quality.integrity import judge
+from bladeroot.signal.lines import FAR_FROM_EXPECTED
 from bladeroot.signal.recording import Recording
 
-# What the sheet says of a raw file; the file may contradict it.
-SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "response", "mode", "force_N")
-# What it says of a record, for all who read its artifacts; what it does not is left out.
+# What the sheet says of a record, for all who read its artifacts; what it does not is left out.
 FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
          "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
 
@@ -35,38 +26,21 @@ CROWDED = (
 )
 
 
-def from_file(
-    raw: str | Path, known: Mapping, cutting: Mapping, estimation: Mapping
-) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """Free decay, curves over amplitude and plateau of a record in a file.
-
-    Args:
-        raw: its file.
-        known: what the sheet says of it: SAID; FACTS; `other_modes_Hz`, the expected frequencies
-            of the campaign's other modes; `simulated`; and what a person overrules (`start_s`,
-            `end_s`, `keep`, `band_Hz`).
-        cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
-        estimation: section `decay`, as of `bladeroot.decay.record.estimate`.
-
-    A record that cannot be read or used comes back without points, rejected with a reason.
-    """
-    try:
-        recording = recorded(raw, known)
-    except ValueError as error:
-        return not_analysed(known, str(error), estimation)
-    return analyse(recording, known, cutting, estimation)
-
-
-def recorded(raw: str | Path, known: Mapping) -> Recording:
-    """The recording of a record in a file, in SI units. ValueError, one line: it has none."""
-    whole = read(raw, **{name: known.get(name) for name in SAID})
-    return part(whole, known.get("from_s"), known.get("to_s"), str(raw))
-
-
 def analyse(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """The same of a recording in SI units, for which `known` need not hold SAID."""
+    """Free decay, curves over amplitude and plateau of one mode of a recording in SI units.
+
+    Args:
+        recording: what was recorded.
+        known: what the sheet says of it: FACTS; `other_modes_Hz`, the expected frequencies of the
+            campaign's other modes; `simulated`; and what a person overrules (`start_s`, `end_s`,
+            `keep`, `band_Hz`; in words: `overruled`).
+        cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
+        estimation: section `decay`, as of `bladeroot.decay.record.estimate`.
+
+    A record that cannot be used comes back without points, rejected with a reason.
+    """
     made = _looked_at(recording, known, cutting, estimation)
     if not made[0].attrs.get("crowded"):
         return made
@@ -97,7 +71,7 @@ def _looked_at(
     band_Hz: tuple[float, float] | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same of the record as it is, or of nothing but a band of it."""
-    remarks = _overrides(known)
+    remarks = overrides(known)
     if band_Hz is not None:
         remarks += (("crowded", CROWDED.format(*band_Hz)),)
     decay = free_decay(
@@ -110,25 +84,16 @@ def _looked_at(
         remarks=remarks,
         band_Hz=band_Hz,
     )
-    return _estimated(decay.assign_attrs(quantity=recording.quantity), known, estimation)
+    return estimated(decay.assign_attrs(quantity=recording.quantity), known, estimation)
 
 
-def not_analysed(
-    known: Mapping, reason: str, estimation: Mapping
-) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """The same for a record that has no recording: rejected for that reason."""
-    remarks = _overrides(known)
-    decay = judge(rejected(reason), np.zeros(0), known["expected_Hz"], remarks=remarks)
-    return _estimated(decay, known, estimation)
-
-
-def _overrides(known: Mapping) -> tuple[tuple[str, str], ...]:
+def overrides(known: Mapping) -> tuple[tuple[str, str], ...]:
     """What a person overrules as a finding, so that every table shows it."""
-    text = overruled(known)
+    text = known.get("overruled")
     return (("override", f"overruled: {text}"),) if text else ()
 
 
-def _estimated(
+def estimated(
     decay: xr.Dataset, known: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """A judged free decay with what is known of it, its curves and its plateau."""
@@ -148,7 +113,7 @@ def estimate(
     estimator: Callable[..., xr.Dataset] = freevib,
     modes_Hz: tuple[float, ...] = (),
 ) -> xr.Dataset:
-    """Curves of a record with its peaks beside them and their differences.
+    """Curves of a record over amplitude.
 
     A rejected record has no points; one that cannot be estimated, or in which another mode than
     the one that is meant was followed, is rejected.
@@ -161,7 +126,7 @@ def estimate(
         modes_Hz: expected frequencies of other modes.
 
     Returns:
-        Variables of `freevib`, `peak_fit` and `compare`; attributes of `cut`.
+        Variables of `freevib`; attributes of `cut`.
     """
     if band_Hz is not None:
         cut = banded(cut, band_Hz)
@@ -184,13 +149,10 @@ def estimate(
         except ValueError as error:
             made, facts = None, facts | {"verdict": "rejected", "reason": str(error)}
         else:
-            peaks = later(peak_fit(velocity, *known, **options), begin_s)
             if "taken" in before:
                 made.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
-    if made is None:
-        made, peaks = no_decay(), no_peaks()
-    whole = made.assign({**peaks.variables, **compare(made, peaks).variables})
-    return whole.assign_attrs(facts, estimator=estimator.__name__)
+    made = no_decay() if made is None else made
+    return made.assign_attrs(facts, estimator=estimator.__name__)
 
 
 def _refuse_another(made: xr.Dataset, expected_Hz: float, modes_Hz: tuple[float, ...]) -> None:
@@ -212,6 +174,6 @@ def later(made: xr.Dataset, seconds: float) -> xr.Dataset:
     """Curves whose times count from the start of the cut, which lies some seconds before theirs."""
     if not seconds:
         return made
-    times = [name for name in ("time", "block_time", "pff_time") if name in made]
+    times = [name for name in ("time", "block_time") if name in made]
     moved = {name: (made[name] + seconds).assign_attrs(made[name].attrs) for name in times}
     return made.assign(moved)

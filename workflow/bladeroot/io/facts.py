@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from bladeroot.io.campaign import Campaign
 from bladeroot.io.expected import expected_at
 from bladeroot.io.load import load_facts
+from bladeroot.io.overrides import overruled
 
 
 def record_facts(campaign: Campaign, row: Mapping) -> dict:
@@ -21,6 +22,7 @@ def record_facts(campaign: Campaign, row: Mapping) -> dict:
         "expected_Hz": own_Hz,
         "other_modes_Hz": [*expected.values()],
         "simulated": campaign.simulated,
+        "overruled": overruled(row),
         **load_facts(load),
     }
 

@@ -37,7 +37,7 @@ def judgement(
     """The findings of all records in one table, and the second opinion on every record.
 
     records: free decays with their findings (dim finding). decays: curves of the same records in
-    the same order, with the scalars of `bladeroot.decay.agreement.compare`. plateaus: of the
+    the same order, with the scalars of `bladeroot.quality.agreement.compare`. plateaus: of the
     same.
 
     Returns:

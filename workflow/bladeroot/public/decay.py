@@ -11,11 +11,13 @@ from jaxtyping import Real
 from numpy import ndarray
 
 from bladeroot.decay.cut import decay_starts, too_fast_or_short
+from bladeroot.decay.from_file import of_recording as analysed
+from bladeroot.decay.from_file import recorded
 from bladeroot.decay.overrides import beyond_samples
-from bladeroot.decay.record import analyse, recorded
 from bladeroot.io.campaign import Campaign
 from bladeroot.io.channel import RATE_TOLERANCE
 from bladeroot.io.expected import expected_at
+from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
 from bladeroot.io.recording import part, recording
 from bladeroot.io.units import same, seconds
@@ -167,8 +169,8 @@ def ringdown(
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
     name = Path(source).stem if isinstance(source, str | Path) else "array"
     taken = part(taken, from_s, to_s, name)
-    overruled = {"start_s": start_s, "end_s": end_s, "band_Hz": band_Hz, "note": "by the caller"}
-    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping, overruled)
+    overrides = {"start_s": start_s, "end_s": end_s, "band_Hz": band_Hz, "note": "by the caller"}
+    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping, overrides)
 
 
 def of_recording(
@@ -177,9 +179,9 @@ def of_recording(
     name: str,
     other_modes_Hz: Sequence[float] = (),
     damping: str = "hysteretic",
-    overruled: Mapping[str, object] | None = None,
+    overrides: Mapping[str, object] | None = None,
 ) -> Ringdown:
-    """The same of a recording that is already read; overruled: start_s, end_s, band_Hz."""
+    """The same of a recording that is already read; overrides: start_s, end_s, band_Hz."""
     known = {
         "record": name,
         "mode": f"{mode_Hz:g} Hz",
@@ -189,9 +191,10 @@ def of_recording(
         "hold": name,
         "direction": "",
         "simulated": False,
-        **(overruled or {}),
+        **(overrides or {}),
+        "overruled": overruled(overrides or {}),
     }
-    return Ringdown(*analyse(taken, known, {}, {"damping": damping}))
+    return Ringdown(*analysed(taken, known, {}, {"damping": damping}))
 
 
 def _hertz(name: str, value: object) -> float:

@@ -122,7 +122,8 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
     from bladeroot.diagnosis.observations import observations
     from bladeroot.mechanisms.catalogue import usable_catalogue
     from bladeroot.pooling.judgement import judgement
-    from bladeroot.pooling.stick import stick_from_records, stick_from_table
+    from bladeroot.pooling.stick import stick_from_records
+    from bladeroot.pooling.stick_table import stick_from_table
     from bladeroot.rom.whole import reduced_structure
 
     if not isinstance(campaign, str | Path):
@@ -190,7 +191,7 @@ def _analysed(
     campaign: Campaign, config: Mapping, reduced: Reduced
 ) -> Iterator[tuple[xr.Dataset, ...]]:
     """Free decay, curves and plateau of each record, in the order of names."""
-    from bladeroot.decay.record import from_file
+    from bladeroot.decay.from_file import from_file
     from bladeroot.reproduction.thesis_filters import estimation
 
     settings = config["record"], estimation(config["decay"])

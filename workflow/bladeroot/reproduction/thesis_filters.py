@@ -22,7 +22,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.freevib import decay_dataset, freevib
-from bladeroot.decay.pff import BRIDGED_GAP, bridged
+from bladeroot.quality.peak_fit import BRIDGED_GAP, bridged
 from bladeroot.reproduction.error_bounds import two_points
 from bladeroot.signal.lines import hann
 from bladeroot.signal.phasors import natural

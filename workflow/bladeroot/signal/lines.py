@@ -23,6 +23,9 @@ NEAR_HEIGHT = 0.1  # its height over that of the strongest within FREQUENCY_TOLE
 # Between the two the level sinks below this part of its height: a mode that softens by as much
 # leaves no such valley.
 VALLEY_HEIGHT = 0.5
+# A mode further (relative) than this from its expected frequency may be another one. Sheets state
+# frequencies to some per cent, and few joints soften by more.
+FAR_FROM_EXPECTED = 0.06
 
 # A line on one side of zero in a log-envelope.
 FEWEST_TURNS = 3.0  # turns over all frames at least

@@ -4,7 +4,7 @@ import numpy as np
 
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.quality.findings import sampling_rate
-from bladeroot.signal.lines import FREQUENCY_TOLERANCE, local_maxima, peak_Hz
+from bladeroot.signal.lines import FAR_FROM_EXPECTED, FREQUENCY_TOLERANCE, local_maxima, peak_Hz
 
 STATISTIC = (
     "strongest line over the strongest in the band; or, within the band, second over first, or one "
@@ -18,9 +18,6 @@ NEARER_LINE = 0.1  # less than half as far from the expected frequency as the fi
 # Two lines are separate where they are further apart than the larger of these.
 LINES_APART = 0.06  # relative to the mode's frequency
 LINES_APART_BINS = 6.0  # spectral lines of a quarter of the decay
-# A mode further (relative) than this from its expected frequency may be another one. Sheets state
-# frequencies to some per cent, and few joints soften by more.
-FAR_FROM_EXPECTED = 0.06
 
 
 def find(seen: Examined) -> Finding | None:

@@ -10,7 +10,7 @@ from scipy.special import ndtr, ndtri
 
 from bladeroot.variables import dataset
 
-# What either method may miss by for reasons other than noise (see `pff`), relative.
+# What either method may miss by for reasons other than noise (see `peak_fit`), relative.
 FLOOR = {"frequency": 2e-6, "loss_factor": 1e-3}
 # Standard errors beyond which a difference is reported: not once in 800 simulated records with
 # nothing wrong (benchmarks/second_opinion.py), so in fewer than one of a hundred.
@@ -53,7 +53,7 @@ def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
     compared = np.isfinite(made["pff_frequency_difference"])
     made["pff_agrees"] = np.int8(-1 if not compared else int(not loud))
     made["pff_finding"] = f"peak fitting differs from FREEVIB: {'; '.join(loud)}" if loud else ""
-    return dataset("decay/agreement", made)
+    return dataset("quality/agreement", made)
 
 
 @dataclass(frozen=True)

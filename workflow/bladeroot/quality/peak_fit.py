@@ -205,7 +205,7 @@ def _fitted(
 
 
 def _dataset(columns: Float[ndarray, "column peak"]) -> xr.Dataset:
-    return dataset("decay/peak", dict(zip(names("decay/peak"), columns, strict=True)))
+    return dataset("quality/peak", dict(zip(names("quality/peak"), columns, strict=True)))
 
 
 def band_displacement(

@@ -2,9 +2,16 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.agreement import _mean_around, compare
 from bladeroot.decay.freevib import freevib, no_decay
-from bladeroot.decay.pff import FILTER_DELAY, bridged, correlation, extrema, no_peaks, peak_fit
+from bladeroot.quality.agreement import _mean_around, compare
+from bladeroot.quality.peak_fit import (
+    FILTER_DELAY,
+    bridged,
+    correlation,
+    extrema,
+    no_peaks,
+    peak_fit,
+)
 from decay_bench import hysteretic, ring_down, viscous
 
 RATE = 12800.0
