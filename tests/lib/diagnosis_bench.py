@@ -2,12 +2,19 @@
 
 import numpy as np
 import xarray as xr
+from bladeroot.diagnosis.simulation.parametric import of_structure
 from bladeroot.rom.parametric import frequencies, surface_of
 
 FORCES = 179.0 * np.array([10, 20, 30, 43, 67, 100, 134])
 MODES = ("1B", "2B")
 NOISE = 3e-6  # of a frequency, between records of one hold
 INTERVAL, HOLD = 180.0, 900.0  # s between records, and more between holds
+
+
+def simulated(seen, model, bias=0.005):
+    """What the diagnosis is told of a structure's model: its measured modes, known to a part."""
+    modes = seen["mode"].values.astype(str)
+    return of_structure(model, modes, dict.fromkeys(("1B", "2B"), bias), {})
 
 
 def programme(cycles=2, records=2, forces=FORCES, modes=MODES):

@@ -20,11 +20,10 @@ from bladeroot.mechanisms.mechanism import Points
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.schema import check
 from bladeroot.terms import DOVETAIL
-from diagnosis_bench import FORCES, campaign, programme
+from diagnosis_bench import FORCES, campaign, programme, simulated
 from scipy.stats import binom
 from stiffness_beam import beam_joint
 
-BIAS = {"1B": 0.005, "2B": 0.005}
 CATALOGUE = catalogue()
 
 
@@ -36,7 +35,7 @@ def model():
 def judged(model, effect="", size=0.0, seed=1, **options):
     options = {"rows": programme(cycles=1), "curves": False} | options
     seen = campaign(model, effect, size, seed, **options)
-    made = diagnose(seen, model, Settings(BIAS), CATALOGUE)
+    made = diagnose(seen, simulated(seen, model), Settings(), CATALOGUE)
     said = verdict(made)
     check(json.loads(json.dumps(said)), "verdict", effect)
     return made, said
@@ -69,7 +68,7 @@ def test_with_its_levels_measured_nothing_is_missing(model):
     found = {"free-free": (0.0, 1e-3), "rig stiffness": (0.0, 5e-3), "weighing": (0.0, 5e-4),
              "load cell zero": (0.0, 20.0), "load cell scale": (0.0, 2e-3)}  # fmt: skip
     seen = campaign(model, rows=programme(cycles=1), curves=False)
-    said = verdict(diagnose(seen, model, Settings(BIAS, splits=found), CATALOGUE))
+    said = verdict(diagnose(seen, simulated(seen, model), Settings(splits=found), CATALOGUE))
     assert said["answer"] == "nothing-missing"
     assert not said["causes"]
 
@@ -77,14 +76,17 @@ def test_with_its_levels_measured_nothing_is_missing(model):
 def test_lower_forces_are_spoken_of_only_where_there_are_some(model):
     seen = campaign(model, rows=programme(cycles=1), curves=False)
     lowest = float(seen["force"].min())
-    assert with_lower_forces(seen, model, Settings(BIAS), CATALOGUE) is None
-    assert with_lower_forces(seen, model, Settings(BIAS, least_force=lowest), CATALOGUE) is None
-    above = Settings(BIAS, least_force=1.01 * lowest)
-    made = with_lower_forces(seen, model, above, CATALOGUE)
+    assert with_lower_forces(seen, simulated(seen, model), Settings(), CATALOGUE) is None
+    assert (
+        with_lower_forces(seen, simulated(seen, model), Settings(least_force=lowest), CATALOGUE)
+        is None
+    )
+    above = Settings(least_force=1.01 * lowest)
+    made = with_lower_forces(seen, simulated(seen, model), above, CATALOGUE)
     assert made.settings.least_force == 0.0
     assert made.data.records.force.min() == lowest
     seen["stick_frequency"][seen["force"].values == lowest] = np.nan
-    assert with_lower_forces(seen, model, above, CATALOGUE) is None
+    assert with_lower_forces(seen, simulated(seen, model), above, CATALOGUE) is None
 
 
 @pytest.mark.parametrize(
@@ -210,7 +212,7 @@ def test_faulty_records_are_named_beyond_false_alarms(model):
     for count, answer in ((1, "nothing-missing"), (20, "named")):
         seen = campaign(model, rows=programme(cycles=1), curves=False)
         seen["findings"] = ("record", np.where(np.arange(56) < count, "mains-hum", ""))
-        said = verdict(diagnose(seen, model, Settings(BIAS), records))
+        said = verdict(diagnose(seen, simulated(seen, model), Settings(), records))
         assert said["answer"] == answer
         assert len(said["records"]) == count
 
@@ -221,7 +223,7 @@ def test_a_mode_that_is_taken_off_is_named_and_leaves_the_curves(model, left):
     seen = campaign(model, rows=programme(cycles=1))
     seen["findings"] = ("record", np.full(56, "close-mode", "<U12"))
     seen["findings"][left:] = "mode-beating"
-    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    said = verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))
     assert names(said) == ["mode-beating"]
     assert (f"{left} remain" in said["reason"]) == (left < 56)
 
@@ -232,7 +234,7 @@ def test_faulty_records_do_not_name_what_is_missing_besides(model, effect, answe
     without = [one for one in CATALOGUE if one.channel == "record" or one.id == "drift"]
     seen = campaign(model, effect, 5e-3, rows=programme(cycles=1), curves=False)
     seen["findings"] = ("record", np.where(np.arange(56) < 20, "mains-hum", ""))
-    said = verdict(diagnose(seen, model, Settings(BIAS), without))
+    said = verdict(diagnose(seen, simulated(seen, model), Settings(), without))
     assert said["answer"] == answer
     assert names(said) == ["mains-hum"]
     assert "mains-hum: 20 of 56 records" in said["reason"]
@@ -253,7 +255,7 @@ def test_a_clamping_out_of_line_is_in_the_verdict(model):
     seen = campaign(model, rows=programme(cycles=1), curves=False)
     found = np.where(np.arange(seen.sizes["record"]) == 3, "unlike-repeats", "")
     seen["findings"] = ("record", found)
-    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    said = verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))
     assert shows_nothing(said)
     assert "unlike their repeats are the records r003 of the clampings h01" in said["reason"]
 
@@ -321,7 +323,9 @@ def test_a_cause_of_records_leaves_the_curves_alone():
 def test_a_measured_size_stays_what_was_measured(model):
     seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
     told = {"free-free": (0.03, 0.001)}
-    (cause,) = shown(verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE)))
+    (cause,) = shown(
+        verdict(diagnose(seen, simulated(seen, model), Settings(splits=told), CATALOGUE))
+    )
     assert cause["mechanism"] == "modulus-density"
     modulus = cause["parameters"][0]
     assert modulus["value"] == pytest.approx(0.03, abs=3e-3)
@@ -331,7 +335,9 @@ def test_a_measured_size_stays_what_was_measured(model):
 def test_a_load_cell_tells_a_wrong_zero(model):
     seen = campaign(model, "offset", 3000.0, seed=1, rows=programme(cycles=1), curves=False)
     told = {"load cell zero": (2980.0, 50.0)}
-    (cause,) = shown(verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE)))
+    (cause,) = shown(
+        verdict(diagnose(seen, simulated(seen, model), Settings(splits=told), CATALOGUE))
+    )
     assert cause["credible_set"] == ["force-offset"]
     assert cause["parameters"][0]["value"] == pytest.approx(3000.0, abs=150.0)
 
@@ -343,24 +349,24 @@ def test_one_way_up_friction_of_the_gauge_is_a_gain(model, gain, choice):
     """It only ever takes from what is read: where the load is larger, it is none."""
     rows = [(*row[:3], "up", row[4]) for row in programme()]
     seen = campaign(model, "gain", gain, seed=1, rows=rows, curves=False)
-    (cause,) = shown(verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE)))
+    (cause,) = shown(verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE)))
     assert set(cause["credible_set"]) == choice
 
 
 def test_what_wants_times_is_said_not_to_be_judged(model):
     seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan
-    reason = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["reason"]
+    reason = verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))["reason"]
     assert "1 records without a time left out" in reason
     seen["time"][:20] = np.nan
-    reason = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["reason"]
+    reason = verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))["reason"]
     assert "drift, force-relaxation not judged: times of records missing" in reason
 
 
 def test_no_record_is_left_out_for_its_time_where_the_campaign_then_lacks(model):
     seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][:11] = np.nan
-    data = diagnose(seen, model, Settings(BIAS), CATALOGUE).data
+    data = diagnose(seen, simulated(seen, model), Settings(), CATALOGUE).data
     assert (data.ln_f.size, data.untimed, data.time_known) == (56, 0, False)
 
 
@@ -368,22 +374,22 @@ def test_no_record_is_left_out_for_its_time_where_the_campaign_then_lacks(model)
 def test_one_missing_time_does_not_hide_a_drift(model):
     seen = campaign(model, "drift", 0.01, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan
-    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    said = verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))
     assert [cause["mechanism"] for cause in shown(said)] == ["drift"]
 
 
 @pytest.mark.slow
 def test_records_without_holds_that_follow_each_other_are_one_clamping(model):
     seen = campaign(model, seed=2, curves=False)
-    known = diagnose(seen, model, Settings(BIAS), CATALOGUE).data
+    known = diagnose(seen, simulated(seen, model), Settings(), CATALOGUE).data
     seen["hold"][:] = ""
-    said = verdict(made := diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    said = verdict(made := diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))
     assert shows_nothing(said)
     assert "112 records without a clamping" in said["reason"]
     pairs = [one.hold[:, None] == one.hold for one in (known, made.data)]
     assert (pairs[0] == pairs[1]).all()
     # records that are left out still lie between the others
-    few = diagnose(seen, model, Settings(BIAS, least_force=FORCES[1]), CATALOGUE).data
+    few = diagnose(seen, simulated(seen, model), Settings(least_force=FORCES[1]), CATALOGUE).data
     assert np.unique(few.hold).size == 24
 
 
@@ -400,7 +406,7 @@ def test_curves_of_one_force_or_mode_name_nothing(model, column, only, lack):
     other = seen[column].values != only
     for name in ("frequency", "loss_factor"):
         seen[name][other] = np.nan
-    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    said = verdict(diagnose(seen, simulated(seen, model), Settings(), CATALOGUE))
     assert said["answer"] == "insufficient-data"
     assert not names(said)
     assert lack in said["reason"]

@@ -8,11 +8,10 @@ from bladeroot.diagnosis.gain import gains
 from bladeroot.diagnosis.next_measurement import _joined, _predicted
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Records
-from diagnosis_bench import campaign, programme
+from diagnosis_bench import MODES, campaign, programme, simulated
 from numpy import ndarray
 from stiffness_beam import _model
 
-BIAS = {"1B": 0.005, "2B": 0.005}
 EFFECTS = {
     "exponent": ("load-dependent-stiffness", 0.5, "between_forces"),
     "drift": ("drift", 6e-3, "between_times"),
@@ -27,7 +26,7 @@ def diagnosed(effect: str, seen=None):
     if seen is None:
         seen = campaign(_model(False), effect, size, curves=effect == "slip", scatter=0.02)
     wanted = [one for one in catalogue() if one.id == name]
-    return diagnose(seen, _model(False), Settings(BIAS), wanted)
+    return diagnose(seen, simulated(seen, _model(False)), Settings(), wanted)
 
 
 @pytest.mark.slow
@@ -45,7 +44,7 @@ def test_a_fresh_clamping_at_an_unseen_load_is_met():
     """Fitted to the loads below the largest, whose clampings are then predicted."""
     size = EFFECTS["exponent"][1]
     seen = campaign(_model(False), "exponent", size, rows=programme(3, 1), curves=False)
-    whole = stick_model.stick_data(seen, tuple(BIAS))
+    whole = stick_model.stick_data(seen, MODES)
     top = whole.records.force == whole.records.force.max()
     made = diagnosed("exponent", seen.isel(record=np.flatnonzero(~top)))
     fresh = Records(

@@ -8,7 +8,7 @@ from bladeroot.diagnosis.limits import limits
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.parametric_build import parametric_model
-from diagnosis_bench import campaign, programme
+from diagnosis_bench import campaign, programme, simulated
 from stiffness_beam import beam_joint
 
 AMPLITUDE = np.geomspace(1e-8, 1e-5, 43)
@@ -54,7 +54,7 @@ def test_causes_are_found_where_no_record_has_a_plateau():
     for name in ("stick_frequency", "stick_frequency_std", "stick_loss_factor"):
         seen[name][:] = np.nan
     seen["plateau_reached"][:] = 0
-    made = diagnose(seen, model, Settings({"1B": 0.005, "2B": 0.005}), catalogue())
+    made = diagnose(seen, simulated(seen, model), Settings(), catalogue())
     assert made.data.ln_f.size == seen.sizes["record"]
     causes = {one["mechanism"]: one for one in verdict(made)["causes"]}
     assert "load-dependent-stiffness" in causes

@@ -21,10 +21,9 @@ from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.next_measurement import next_sentence
-from diagnosis_bench import campaign, programme
+from diagnosis_bench import campaign, programme, simulated
 from stiffness_beam import _model
 
-BIAS = {"1B": 0.005, "2B": 0.005}
 FEW = ("load-dependent-stiffness", "incomplete-contact")
 
 
@@ -58,7 +57,7 @@ def made():
     rows = programme(cycles=1, records=1)
     seen = campaign(_model(False), "exponent", 0.4, rows=rows, curves=False)
     candidates = [one for one in catalogue() if one.id in FEW]
-    return diagnose(seen, _model(False), Settings(BIAS), candidates)
+    return diagnose(seen, simulated(seen, _model(False)), Settings(), candidates)
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +99,7 @@ def test_a_small_drag_shows_more_at_larger_amplitudes():
     """Its loss grows with the amplitude, which tells it from nothing."""
     seen = campaign(_model(False), "drag", 1.0, rows=programme(cycles=1))
     candidates = [x for x in catalogue() if x.id == "quadratic-drag"]
-    made = diagnose(seen, _model(False), Settings(BIAS), candidates)
+    made = diagnose(seen, simulated(seen, _model(False)), Settings(), candidates)
     (curve,) = [one for one in made.found if one.channel.name == "curve"]
     models = [((), curve.baseline), (candidates, curve.alone["quadratic-drag"].fit)]
     even, decides = [Rival(tuple(some), one, 0.5, 1.0) for some, one in models], []
@@ -209,8 +208,8 @@ def test_a_pressure_film_tells_seating_from_a_stiffness_that_grows(effect, size,
     rows = programme(cycles=1, records=1)
     seen = campaign(_model(False), effect, size, rows=rows, curves=False)
     candidates = [one for one in catalogue() if one.id in FEW]
-    settings = Settings(BIAS, splits={"pressure film": (film, 500.0)})
-    (found,) = diagnose(seen, _model(False), settings, candidates).found[:1]
+    settings = Settings(splits={"pressure film": (film, 500.0)})
+    (found,) = diagnose(seen, simulated(seen, _model(False)), settings, candidates).found[:1]
     assert [cause.credible for cause in found.causes] == [(name,)]
     if film > 1e3:
         one = found.causes[0].mechanism

@@ -26,7 +26,7 @@ from bladeroot.terms import Terms
 from diagnosis_bench import FORCES, MODES, campaign, programme
 from stiffness_beam import beam_joint
 
-SETTINGS = Settings({"1B": 5e-3, "2B": 5e-3})
+SETTINGS = Settings()
 CATALOGUE = catalogue()
 BY_ID = {one.id: one for one in CATALOGUE}
 

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis.channel import stick_channel
 from bladeroot.diagnosis.clampings import directions
-from bladeroot.diagnosis.simulation.parametric import of_structure
 from bladeroot.diagnosis.stick_model import kinked, near, problem, stick_data, trust_kernel
 from bladeroot.diagnosis.structures import solved_change
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.changed import changed_frequencies
 from bladeroot.rom.parametric import ln_frequencies
 from bladeroot.rom.parametric_build import parametric_model
-from diagnosis_bench import MODES, campaign, programme
+from diagnosis_bench import MODES, campaign, programme, simulated
 from stiffness_beam import beam_joint
 from turning import by_differences
 
@@ -25,7 +24,7 @@ BASE = 3 + 2 * len(MODES) + 1
 def parts():
     model = parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
     seen = campaign(model, rows=programme(cycles=1), curves=False)
-    return stick_data(seen, MODES), of_structure(model, dict.fromkeys(MODES, 0.005), {}), seen
+    return stick_data(seen, MODES), simulated(seen, model), seen
 
 
 def point(mechanisms, *values):

@@ -9,10 +9,9 @@ from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.thermometer import course
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
-from diagnosis_bench import campaign, programme
+from diagnosis_bench import campaign, programme, simulated
 from stiffness_beam import _model
 
-BIAS = {"1B": 0.005, "2B": 0.005}
 RIVALS = [one for one in catalogue() if one.id in ("drift", "temperature")]
 
 
@@ -28,7 +27,7 @@ def diagnosed(follows: str, thermometer: bool = True) -> Diagnosis:
     if thermometer:
         read = 20.0 + weather + 0.1 * np.random.default_rng(0).normal(size=part.size)
         seen["temperature"] = ("record", read)
-    return diagnose(seen, _model(False), Settings(BIAS), RIVALS)
+    return diagnose(seen, simulated(seen, _model(False)), Settings(), RIVALS)
 
 
 def judged(follows: str, thermometer: bool = True) -> dict:
@@ -76,7 +75,7 @@ def test_a_thermometer_coarser_than_the_frequencies_makes_no_drift(seed):
     weather = wave + rng.uniform(-4.0, 4.0) * part**2
     seen["stick_frequency"] = seen["stick_frequency"] * np.exp(-6e-4 * weather)
     seen["temperature"] = ("record", 20.0 + weather + 0.1 * rng.normal(size=part.size))
-    said = verdict(diagnose(seen, _model(False), Settings(BIAS), RIVALS))
+    said = verdict(diagnose(seen, simulated(seen, _model(False)), Settings(), RIVALS))
     assert [one["mechanism"] for one in said["causes"]] == ["temperature"]
 
 

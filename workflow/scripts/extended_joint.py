@@ -4,9 +4,9 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.extended import extended_joint
 from bladeroot.diagnosis.extension import read
+from bladeroot.diagnosis.simulation.parametric import of_structure
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.schema import read_yaml
 
@@ -18,9 +18,11 @@ def main(parametric, observations, model, settings, output):
         {mode: percent / 100 for mode, percent in asked[name].items()}
         for name in ("fe_bias_percent", "fe_offset_percent")
     )
-    told = Settings(bias, offset, asked["least_force"])
-    forces = asked["gauge"]["forces"]
-    found = extended_joint(seen, artifacts.load(parametric), extension, told, forces)
+    model, modes = artifacts.load(parametric), seen["mode"].values.astype(str)
+    simulated = of_structure(model, modes, bias, offset)
+    least_force, forces = asked["least_force"], asked["gauge"]["forces"]
+    found = extended_joint(seen, simulated, extension, least_force, forces)
+    found.attrs["springs"] = str(model.attrs.get("springs", ""))
     artifacts.save(found, output, origin=seen, settings=settings)
 
 

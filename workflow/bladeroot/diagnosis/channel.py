@@ -13,7 +13,6 @@ from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.guards import TRUST, TRUST_CURVE
 from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.diagnosis.simulation.interface import Simulation
-from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.problem import Problem
@@ -78,7 +77,7 @@ def stick_channel(
         ),
         _parts(data),
         data.records,
-        stiffnesses=simulated.coordinates if isinstance(simulated, Parametric) else (),
+        stiffnesses=simulated.coordinates,
         unspoken=(*unspoken, UNKNOWN),  # as other operators that are not in the sheet
     )
 

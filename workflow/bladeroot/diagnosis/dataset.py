@@ -12,7 +12,6 @@ from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
-from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.verdict import insufficient
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism
@@ -32,7 +31,7 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
     for found in made.found:
         if found.channel.name == "stick":
             parts.append(_records(made, found))
-            if isinstance(made.simulated, Parametric):
+            if made.simulated.stiffnesses:
                 parts.append(_stiffness(made, found))
             if made.simulated.kind == "assembly":
                 named = [cause.mechanism for cause in found.causes]
@@ -181,7 +180,7 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
     force = np.linspace(records.force.min(), records.force.max(), _GRID)
     if simulated.kind == "structure":
         force = np.sort(np.append(force, REFERENCE_FORCE))
-    names = simulated.parameters
+    names = simulated.stiffnesses
     k, std = (np.zeros((2, len(names), force.size)) for _ in range(2))
     correlation = np.zeros((2, force.size))
     whole = np.zeros((2, force.size, len(names), len(names)))

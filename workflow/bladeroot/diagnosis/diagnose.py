@@ -21,7 +21,6 @@ from bladeroot.diagnosis.guards import SIGMAS
 from bladeroot.diagnosis.naming import Found, search
 from bladeroot.diagnosis.records import Faulty, faulty_records, showing
 from bladeroot.diagnosis.simulation.interface import Simulation
-from bladeroot.diagnosis.simulation.parametric import of_structure
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -33,14 +32,10 @@ GAUGE_AND_LEVEL = ("force-gain", "force-offset")
 
 @dataclass(frozen=True)
 class Settings:
-    """fe_bias, fe_offset: relative error of the model's frequencies by mode, standard deviation and
-    known part. least_force: N, below which contact is not full and records are left out. splits:
-    independent measurements (`naming.Known`). costs: hours of laboratory time that differ from
-    `options.COSTS`.
+    """least_force: N, below which contact is not full and records are left out. splits: independent
+    measurements (`naming.Known`). costs: hours of laboratory time that differ from `options.COSTS`.
     """
 
-    fe_bias: Mapping[str, float]
-    fe_offset: Mapping[str, float] = field(default_factory=dict)
     least_force: float = 0.0
     splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     costs: Mapping[str, float] = field(default_factory=dict)
@@ -74,19 +69,18 @@ class Diagnosis:
 
 def diagnose(
     seen: xr.Dataset,
-    model: xr.Dataset | Simulation,
+    simulated: Simulation,
     settings: Settings,
     candidates: Sequence[Mechanism],
     terms: Terms = DOVETAIL,
 ) -> Diagnosis:
     """Judge a campaign.
 
-    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.rom.parametric`, or
-    any other simulation (`bladeroot.diagnosis.simulation`).
-    candidates: from `bladeroot.mechanisms.catalogue`. terms: the campaign's own words.
+    seen: from `bladeroot.diagnosis.observations`. simulated: any of
+    `bladeroot.diagnosis.simulation`. candidates: from `bladeroot.mechanisms.catalogue`. terms: the
+    campaign's own words.
     """
     seen = one_of_each_event(seen)
-    simulated = simulation_of(seen, model, settings)
     modes = simulated.modes
     candidates = [of_modes(one, len(modes)) for one in candidates]
     data = stick_model.stick_data(seen, modes, settings.least_force)
@@ -118,20 +112,9 @@ def diagnose(
     )  # fmt: skip
 
 
-def simulation_of(
-    seen: xr.Dataset, model: xr.Dataset | Simulation, settings: Settings
-) -> Simulation:
-    """The simulation itself, or that of a parametric model for the measured modes."""
-    if not isinstance(model, xr.Dataset):
-        return model
-    measured = set(seen["mode"].values.astype(str))
-    bias = {mode: one for mode, one in settings.fe_bias.items() if mode in measured}
-    return of_structure(model, bias, settings.fe_offset)
-
-
 def with_lower_forces(
     seen: xr.Dataset,
-    model: xr.Dataset | Simulation,
+    simulated: Simulation,
     settings: Settings,
     candidates: Sequence[Mechanism],
 ) -> Diagnosis | None:
@@ -139,7 +122,7 @@ def with_lower_forces(
     below = seen["force"].values < settings.least_force
     if not (below & np.isfinite(seen["stick_frequency"].values)).any():
         return None
-    return diagnose(seen, model, replace(settings, least_force=0.0), candidates)
+    return diagnose(seen, simulated, replace(settings, least_force=0.0), candidates)
 
 
 def _barred(

@@ -13,8 +13,8 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.clampings import one_of_each_event
 from bladeroot.diagnosis.dataset import stiffness_law
-from bladeroot.diagnosis.diagnose import Settings, simulation_of
 from bladeroot.diagnosis.extension import Extension
+from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData, problem, stick_data
 from bladeroot.inference.gaussian import Fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -27,23 +27,22 @@ DRAWS = 1000  # each asks for a covariance of all records
 
 def extended_joint(
     seen: xr.Dataset,
-    model: xr.Dataset,
+    simulated: Parametric,
     extension: Extension,
-    settings: Settings,
+    least_force: float,
     forces: Sequence[float],
     draws: int = DRAWS,
 ) -> xr.Dataset:
     """Posterior of (ln kn, ln kt) with the causes, beside the evidence without.
 
-    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.rom.parametric`.
-    forces: N, where kn and kt are wanted. The variables are those of `bladeroot.stiffness.joint`
-    without what would help and what was assumed; its levels are the records. Empty, with `law` "",
-    without records of two modes.
+    seen: from `bladeroot.diagnosis.observations`. simulated: the structure's. least_force: N, below
+    which records are left out. forces: N, where kn and kt are wanted. The variables are those of
+    `bladeroot.stiffness.joint` without what would help and what was assumed; its levels are the
+    records. Empty, with `law` "", without records of two modes.
     """
     seen = one_of_each_event(seen)
-    simulated = simulation_of(seen, model, settings)
-    data = stick_data(seen, simulated.modes, settings.least_force)
-    named = {"structure": model.attrs["structure"], "least_force_N": settings.least_force}
+    data = stick_data(seen, simulated.modes, least_force)
+    named = {"structure": simulated.structure, "least_force_N": least_force}
     if len(set(data.records.mode)) < 2:
         return xr.Dataset(attrs=named | {"law": ""})
     taken = [(one, values) for one, values in extension.causes if one.curve is None]
@@ -75,7 +74,6 @@ def extended_joint(
     left = [one.id for one, _ in extension.causes if one not in causes]
     return found.assign_attrs(
         named,
-        springs=str(model.attrs.get("springs", "")),
         extended_by=";".join(one.id for one in causes),
         extension_left_out=";".join(left),
     )

@@ -9,7 +9,6 @@ from numpy import ndarray
 from bladeroot.diagnosis.curve_model import QUANTITIES
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
-from bladeroot.diagnosis.simulation.parametric import Parametric, biases
 from bladeroot.inference.hold_out import HeldOut, hold_out
 
 Sides = dict[str, float]
@@ -54,8 +53,7 @@ def gains(made: Diagnosis) -> dict:
             result[key] = _between(made, found, part, held)
             if stick and part == "force":
                 result["log_score"] = _log_score(held)
-                structure = isinstance(made.simulated, Parametric)
-                spared = _held(found, part, biases(made.simulated) if structure else slice(0))
+                spared = _held(found, part, made.simulated.biases)
                 result[f"{key}_without_bias"] = _between(made, found, part, spared)
     return result
 

@@ -39,7 +39,7 @@ def stiffness_problem(
     fitted: of that problem, whose first `base` parameters are the simulation's. The stiffnesses are
     those at the pivot of the loads, whatever load the causes' laws are stated at.
     """
-    records, count = data.records, len(simulated.parameters)
+    records, count = data.records, len(simulated.stiffnesses)
     whole = problem(data, simulated, mechanisms)
     here = simulated.of_records(records, data.hold, data.rounding)
     structures = partial(here.structures, fitted.parameters[:base])
@@ -107,8 +107,8 @@ def interface_stiffness(
         "interface_ln_covariance": np.cov(found.parameters.T).reshape(count, count),
         "interface_prior_std": asked.prior.std,
         "interface_load": pivot,
-        "stiffness": list(simulated.parameters),
-        "stiffness_": list(simulated.parameters),
+        "stiffness": list(simulated.stiffnesses),
+        "stiffness_": list(simulated.stiffnesses),
         "quantile": list(QUANTILES),
     }
     return dataset("diagnosis/interfaces", made).assign_attrs(

@@ -12,7 +12,6 @@ from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import (
     Settings,
     diagnose,
-    simulation_of,
     with_lower_forces,
 )
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
@@ -27,7 +26,7 @@ from bladeroot.diagnosis.simulation.own_range import (
     own_range,
     verdict_in_own,
 )
-from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
+from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly, of_structure
 from bladeroot.diagnosis.simulation.table import Table, moved, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import shown
@@ -71,7 +70,7 @@ def judge(
         for name, default in (("fe_bias_percent", usual), ("fe_offset_percent", {}))
     )
     settings = Settings(
-        bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0),
+        1000.0 * facts.get("full_contact_from_kN", 0.0),
         _independent(facts.get("independent", []), seen), facts.get("costs", {}),
     )  # fmt: skip
     if simulation is None:
@@ -94,7 +93,7 @@ def judge(
         known = simulation["mode"].isin(seen["mode"].values.astype(str))
         made = of_assembly(simulation.isel(mode=known.values), stated, offset, usual)
     else:
-        made = simulation_of(seen, simulation, settings)
+        made = of_structure(simulation, seen["mode"].values.astype(str), bias, offset)
     return judged(seen, made, settings, candidates)
 
 
@@ -143,8 +142,8 @@ def judged(
         lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip(),
         lambda size: f"{size / own.per_load:.3g} {own.unit}".strip(),
     )
-    of_structure = simulated.kind == "structure"
-    said = verdict(made, with_lower_forces(scaled, simulated, asked, candidates) if of_structure
+    dovetail = simulated.kind == "structure"
+    said = verdict(made, with_lower_forces(scaled, simulated, asked, candidates) if dovetail
                    else None)  # fmt: skip
     whole = dataset_in_own(dataset(made, said).merge(further), own)
     said = verdict_in_own(said | {"next": following(further, made)}, own)
@@ -160,7 +159,7 @@ def judged(
     said = _with_groups(said | {"structure": simulated.structure or None}, seen)
     whole.attrs |= {"structure": simulated.structure or BASELINE, "reason": said["reason"],
                     "kind": simulated.kind, **_load(seen)}  # fmt: skip
-    return whole, said, model_file(made) if of_structure else None
+    return whole, said, model_file(made) if dovetail else None
 
 
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:

@@ -22,7 +22,6 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.options import Option, of_facts, of_records
 from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
-from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
 from bladeroot.inference.gaussian import Fit, information
@@ -98,7 +97,7 @@ def _of_question(
     rows = [row(Option("", "as measured", np.nan)), *sorted(others, key=rate, reverse=True)]
     values = {name: np.array([one[name] for one in rows]) for name in names("diagnosis/next")}
     values["option"] = [one["option"] for one in rows]
-    values["stiffness"] = np.array(_stiffnesses(made), dtype=str)
+    values["stiffness"] = np.array(made.simulated.stiffnesses, dtype=str)
     found = dataset("diagnosis/next", values)
     found["decided"].attrs["rivals"] = ";".join(sorted(asked))
     return found
@@ -170,11 +169,6 @@ def _open_nats(made: Diagnosis, asked: set[str]) -> float:
     return there + (np.log(2.0) if asked & set(made.known.barred) else 0.0)
 
 
-def _stiffnesses(made: Diagnosis) -> tuple[str, ...]:
-    """Names of the simulation's contact stiffnesses; a table and a linear mode have none."""
-    return made.simulated.parameters if isinstance(made.simulated, Parametric) else ()
-
-
 def _rivals(found: Found, asked: set[str]) -> list[Rival]:
     """The most probable sets of a channel that were fitted, with what is in question.
 
@@ -219,8 +213,8 @@ def _row(
     if first.mechanisms:
         ratio = float(np.sqrt(covariance[base, base]) / first.fit.std[base])
     ln_std = np.zeros(0)
-    if _stiffnesses(made):
-        names, pivot = made.simulated.parameters, made.simulated.pivot_of(made.data.records)
+    if made.simulated.stiffnesses:
+        names, pivot = made.simulated.stiffnesses, made.simulated.pivot_of(made.data.records)
         at = np.array([pivot])
         rows = stiffness_law(first.fit.parameters, base, first.mechanisms, at, names, pivot)[1]
         ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))

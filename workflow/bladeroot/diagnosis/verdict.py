@@ -24,7 +24,6 @@ from bladeroot.diagnosis.posterior import (
     together,
 )
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.simulation.linear import JOINT_DOUBT, of_joint
 from bladeroot.diagnosis.sufficiency import FEW
 
 SCHEMA = "bladeroot-verdict-1"
@@ -79,9 +78,9 @@ def _cause(made: Diagnosis, found: Found, cause: Cause, sets: Sets) -> dict:
     by_id = {one.id: one for one in found.channel.candidates}
     own = sizes(mechanism, found.final, place)
     own[0] = found.sizes.get(mechanism.id, own[0])
-    if found.channel.name == "stick" and made.simulated.kind == "none" and of_joint(mechanism):
-        # the joint's part is assumed: where it is less, they are larger
-        moved = (JOINT_DOUBT - 1.0) * by_effect(mechanism, found.final, place, number)
+    doubt = made.simulated.doubt(mechanism) if found.channel.name == "stick" else 0.0
+    if doubt:
+        moved = doubt * by_effect(mechanism, found.final, place, number)
         own = [
             (value, float(np.hypot(std, more)))
             for (value, std), more in zip(own, moved, strict=True)

@@ -84,7 +84,10 @@ class Simulation(Protocol):
     modes: their names. structure: its name, "" where nothing is simulated. kind: `structure`,
     `table` or `none`. knows_contact: whether it has kn and kt. load_range: the least and the
     largest load, as of the records, that it speaks of. slip: changes `ln_frequency` and
-    `loss_factor` over (mode, force, amplitude), if it has any.
+    `loss_factor` over (mode, force, amplitude), if it has any. stiffnesses: of its parameters the
+    contact stiffnesses, which stand first, as kn and kt or with their interface; coordinates: which
+    of ln kn and ln kt (`mechanism.COORDINATES`) each is. biases: where a structure's
+    biases stand among its parameters.
     """
 
     modes: tuple[str, ...]
@@ -92,7 +95,10 @@ class Simulation(Protocol):
     kind: str
     knows_contact: bool
     load_range: tuple[float, float]
-    slip: xr.Dataset | None
+    slip: xr.Dataset | None = None
+    stiffnesses: tuple[str, ...] = ()
+    coordinates: tuple[str, ...] = ()
+    biases: slice = slice(0)
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
@@ -101,3 +107,7 @@ class Simulation(Protocol):
 
     def silent(self, one: Mechanism) -> str:
         """Why it cannot speak of a cause, a phrase, or ""."""
+
+    def doubt(self, one: Mechanism) -> float:
+        """Standard error of a cause's size by what the simulation supposes, over the size."""
+        return 0.0

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.simulation.interface import Said
+from bladeroot.diagnosis.simulation.interface import Said, Simulation
 from bladeroot.diagnosis.simulation.one_mode import OneMode
 from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
@@ -38,7 +38,7 @@ _LEAST = 0.05  # of f^2, where a line in it would pass zero
 
 
 @dataclass(frozen=True)
-class Linear:
+class Linear(Simulation):
     """expected: Hz, by mode. load: whether the records have a load. power: of the load over its
     zero that stiffens; a speed's is 2, for its centrifugal force.
     """
@@ -52,7 +52,6 @@ class Linear:
     kind: str = "none"
     knows_contact: bool = False
     load_range: tuple[float, float] = (-np.inf, np.inf)
-    slip: None = None
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
@@ -75,6 +74,11 @@ class Linear:
             return "the campaign states no load"
         return ""
 
+    def doubt(self, one: Mechanism) -> float:
+        """The joint's part is assumed: where it is less, laws of its stiffness are larger."""
+        of_joint = one.stick is not None and acts_on(one) & {"ln_kn", "ln_kt"}
+        return JOINT_DOUBT - 1.0 if of_joint else 0.0
+
 
 def acts_on(one: Mechanism) -> set[str]:
     """Which coordinates of a record a law changes."""
@@ -82,11 +86,6 @@ def acts_on(one: Mechanism) -> set[str]:
     none = np.zeros(2)
     records = Records(np.zeros(2, int), some, np.array([1.0, -1.0]), none, none, 1.0, 1.0, none)
     return set(one.stick(records, one.values(one.start)[0]).changes)
-
-
-def of_joint(one: Mechanism) -> bool:
-    """Whether a law changes the contact's stiffness."""
-    return one.stick is not None and bool(acts_on(one) & {"ln_kn", "ln_kt"})
 
 
 class _OfRecords(OneMode):

@@ -4,7 +4,7 @@ ln f = ln f_model(ln k..., F) + bias. Contact stiffness is one law over all load
 the specimen changes kn and kt at random, of all interfaces alike, and the gauge is read to a step.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.simulation.interface import Said
+from bladeroot.diagnosis.simulation.interface import Said, Simulation
 from bladeroot.diagnosis.structures import distinct, solved_change
 from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
@@ -41,10 +41,10 @@ TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out 
 
 
 @dataclass(frozen=True)
-class Parametric:
+class Parametric(Simulation):
     """Frequencies over (ln k..., F), bias (std) and known offset by mode, projected problems.
 
-    parameters: names of the stiffnesses, kn or kt and the interface. prior: mean and standard
+    stiffnesses: their names, kn or kt and the interface. prior: mean and standard
     deviation of each one's logarithm. pivot: the load about which laws and biases tilt; None: the
     middle of the records'. per_load, shift: from a load of the model to the records' (`OwnRange`).
     """
@@ -57,12 +57,11 @@ class Parametric:
     structure: str = ""
     kind: str = "structure"
     knows_contact: bool = True
-    parameters: tuple[str, ...] = ("kn", "kt")
+    stiffnesses: tuple[str, ...] = ("kn", "kt")
     prior: tuple[tuple[float, float], ...] = (PRIORS["ln_kn"][:2], PRIORS["ln_kt"][:2])
     pivot: float | None = REFERENCE_FORCE
     per_load: float = 1.0
     shift: float = 0.0
-    slip: None = None
 
     @property
     def load_range(self) -> tuple[float, float]:
@@ -79,7 +78,13 @@ class Parametric:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Which of kn and kt each stiffness is, by name in `mechanism.COORDINATES`."""
-        return tuple("ln_kt" if name.startswith("kt") else "ln_kn" for name in self.parameters)
+        return tuple("ln_kt" if name.startswith("kt") else "ln_kn" for name in self.stiffnesses)
+
+    @property
+    def biases(self) -> slice:
+        """Biases and their tilts stand behind the stiffnesses and the law's exponent."""
+        first = len(self.stiffnesses) + 1
+        return slice(first, first + 2 * len(self.modes))
 
     def pivot_of(self, records: Records) -> float:
         """The load about which laws tilt."""
@@ -99,13 +104,18 @@ class Parametric:
 
 
 def of_structure(
-    model: xr.Dataset, bias: Mapping[str, float], offset: Mapping[str, float]
+    model: xr.Dataset,
+    measured: Iterable[str],
+    bias: Mapping[str, float],
+    offset: Mapping[str, float],
 ) -> Parametric:
-    """Of a structure's model, the modes whose bias is given; bias and offset relative."""
-    modes = tuple(bias)
+    """Of a structure's model, the measured modes whose bias is given; bias, offset relative."""
+    measured = set(measured)
+    modes = tuple(mode for mode in bias if mode in measured)
     surface = trimmed(surface_of(model.sel(mode=list(modes))), TRIM)
     return Parametric(
-        surface, tuple(ritz_of(model, mode) for mode in modes), np.array([*bias.values()], float),
+        surface, tuple(ritz_of(model, mode) for mode in modes),
+        np.array([bias[mode] for mode in modes], float),
         np.array([offset.get(mode, 0.0) for mode in modes]), modes,
         str(model.attrs.get("structure", "")),
     )  # fmt: skip
@@ -125,15 +135,9 @@ def of_assembly(model: xr.Dataset, bias: Mapping[str, float], offset: Mapping[st
         solved, solved.ritzes, np.array([bias.get(mode, usual) for mode in modes]),
         np.array([offset.get(mode, 0.0) for mode in modes]), modes, str(model.attrs["structure"]),
         kind="assembly",
-        parameters=tuple(str(name)[3:] for name in model["coordinate"].values[:-1]), prior=prior,
+        stiffnesses=tuple(str(name)[3:] for name in model["coordinate"].values[:-1]), prior=prior,
         pivot=None,
     )  # fmt: skip
-
-
-def biases(simulated: Parametric) -> slice:
-    """Where the model's biases and their tilts stand among the parameters."""
-    first = len(simulated.parameters) + 1
-    return slice(first, first + 2 * len(simulated.modes))
 
 
 def of_clamping(
@@ -175,7 +179,7 @@ class _OfRecords:
     ) -> None:
         self.surface, self.records, self.rounding = simulated.surface, records, rounding
         self.simulated = simulated
-        modes, self.count = len(simulated.ritz), len(simulated.parameters)
+        modes, self.count = len(simulated.ritz), len(simulated.stiffnesses)
         # which of the changes, of kn or of kt, is each stiffness's
         self.kind = np.array([int(name == "ln_kt") for name in simulated.coordinates])
         self.x = np.log(records.force / simulated.pivot_of(records))
@@ -190,7 +194,7 @@ class _OfRecords:
             [(0.0, TENSION * bias.mean())],
         ]
         self.prior = Prior(*np.vstack(priors).T.copy())
-        self.own = biases(simulated)
+        self.own = simulated.biases
         self.same_hold = (hold[:, None] == hold).astype(float)
 
     def structures(

@@ -15,7 +15,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.simulation.interface import Said
+from bladeroot.diagnosis.simulation.interface import Said, Simulation
 from bladeroot.diagnosis.simulation.linear import acts_on
 from bladeroot.diagnosis.simulation.one_mode import OneMode
 from bladeroot.diagnosis.simulation.over_load import OverLoad
@@ -33,7 +33,7 @@ PRIOR_LN_K = 0.7
 
 
 @dataclass(frozen=True)
-class Table:
+class Table(Simulation):
     """frequencies: Hz and sensitivities: of ln f, over the table's loads by mode; slip: simulated
     changes over amplitude, if the table has any. bias, offset: relative, by mode.
     """
