@@ -36,8 +36,9 @@ def campaign(model, effect="", size=0.0, seed=0, scatter=0.04, rows=None, curves
     """Observations of a simulated campaign.
 
     model: parametric model of the structure. effect: `gain`, `offset` (N), `exponent`, `seating`
-    (N), `hysteresis`, `drift`, `relaxation`, `mass` (relative change of 1B), `bump` (of 2B about
-    8 kN), or on the curves `slip`, `hardening`, `drag`, `knee`; "" for none.
+    (N), `hysteresis`, `drift`, `spell` (of kn, kt while the second series lasts), `relaxation`,
+    `mass` (relative change of 1B), `bump` (of 2B about 8 kN), or on the curves `slip`, `hardening`,
+    `drag`, `knee`; "" for none.
     """
     rng = np.random.default_rng(seed)
     rows = programme() if rows is None else rows
@@ -63,6 +64,9 @@ def campaign(model, effect="", size=0.0, seed=0, scatter=0.04, rows=None, curves
         ln_k = ln_k - size * (sign[:, None] > 0)
     elif effect == "drift":
         direct = direct - size * time / time.max()
+    elif effect == "spell":
+        series = np.concatenate([[0], np.cumsum(np.diff(sign) != 0.0)])
+        ln_k = ln_k - size * (series == 1)[:, None]
     elif effect == "relaxation":
         true = true * (1.0 - size * (1.0 - np.exp(-since / 300.0)))
     elif effect == "mass":

@@ -146,6 +146,16 @@ def test_a_contact_that_gives_way_at_the_turn_would_be_a_coincidence_and_stays_p
     )
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_lasts_from_turn_to_turn_is_no_hysteresis_that_gives_way_just_there(model, seed):
+    rows = programme(cycles=2)
+    _, said = judged(model, "spell", 0.3, seed, rows=rows)
+    assert names(said) == []
+    assert said["answer"] in ("unexplained", "ambiguous")
+    assert said["probabilities"]["none-of-these"] > 0.2
+
+
 def test_what_is_of_no_catalogue_may_be_a_contact_that_any_load_changes(stiffening):
     """It competes with laws of the contact; each mode for itself comes tens of nats behind."""
     (found,) = (one for one in stiffening[0].found if one.channel.name == "stick")

@@ -58,7 +58,7 @@ def test_without_a_thermometer_the_weather_is_something_over_time():
 
 def test_slope_and_gain_are_those_of_the_temperature():
     said = judged("weather")
-    (slope,) = said["causes"][0]["parameters"]
+    slope, _ = said["causes"][0]["parameters"]
     assert abs(slope["value"] + 6e-4) < 4.0 * slope["std"]
     sides = said["gain"]["between_temperatures"]
     assert sides["after"] < 0.5 * sides["before"]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from bladeroot.mechanisms import added_mass
 from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.mechanisms.drift import MECHANISM as DRIFT
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Points, Records, StickEffect
 from bladeroot.mechanisms.per_mode import modes_of, of_modes
 from bladeroot.mechanisms.probe import probe
@@ -509,3 +510,17 @@ def test_a_gauges_lag_is_one_at_the_turning_point_and_the_other_way_far_below():
     form = law_of_form("gauge-friction", "turning over")
     lag = form.stick(rows, np.array([0.08, width])).changes["force"] / (0.08 * rows.force)
     np.testing.assert_allclose(lag, [-1.0, -1.0, 0.0, 1.0], atol=1e-4)
+
+
+def test_a_drift_of_the_modulus_leaves_out_what_the_load_holds():
+    """A mode of stiffness k and of g times the load: f^2 in proportion to k (1 + 2c) + g F."""
+    force, k, g, change = np.array([0.0, 2e3, 2e4]), 1e6, 20.0, 2e-3
+    none = np.zeros(3)
+    records = Records(np.zeros(3, int), force, none, np.full(3, 9.0), none, 9.0, 1.0, none)
+    by_load = 0.5 * g / (k + g * force)
+    for held, loads in ((1.0, 1.0), (0.0, 1.0 + 2.0 * 0.5 * change)):
+        effect = DRIFT.stick(records, np.array([change, held]))
+        told = effect.changes["ln_f"] + by_load * effect.changes["force"]
+        stiffer = k * (1.0 + change) + g * force * loads  # half of the change: none half-way
+        true = 0.5 * np.log(stiffer / (k + g * force))
+        np.testing.assert_allclose(told, true, rtol=3.0 * change)

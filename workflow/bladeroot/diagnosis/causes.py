@@ -59,9 +59,9 @@ def causes(
     laws = [k for k, one in enumerate(mechanisms) if one.stick is not None]
     for k in laws:
         own[k], slopes[k] = of_law(*asked[k], records)
-    there = records.force + sum(changes[:, _FORCE] for changes in own)
+    moving = [k for k in laws if mechanisms[k].moves_load and slopes[k][:, _FORCE].any()]
+    there = records.force + sum(own[k][:, _FORCE] for k in moving)
     force = np.maximum(there, _LEAST * records.force)
-    moving = [k for k in laws if slopes[k][:, _FORCE].any()]
     for k in laws if moving else ():
         if k in moving or "force" not in mechanisms[k].over:
             continue
@@ -80,7 +80,7 @@ def causes(
             by_place = by_place + further
     effects = np.array([a + b for a, b in zip(own, through, strict=True)]).reshape(-1, n, 4)
     changes = sum(own, np.zeros((n, 4)))
-    changes[:, _FORCE] = force - records.force
+    changes[:, _FORCE] += force - there
     return Causes(changes, effects, slopes, by_place, bool((force == there).all()))
 
 

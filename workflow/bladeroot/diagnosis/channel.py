@@ -23,6 +23,7 @@ Kernels = Sequence[tuple[ndarray, float]]
 # beside it: for a rough one alone a plain trend is so unlikely that any law of that variable wins.
 _FORCE_LENGTH = 1.0  # of ln F, over which the rough course forgets itself
 _TIME_LENGTH = 0.5  # of the campaign, likewise
+_SPELL_EDGES = 40  # at most, among the clampings, from which to which something lasts for a while
 _SLOW = 1.5  # length of the slow course over the rough one's
 
 
@@ -31,8 +32,9 @@ class Channel:
     """`stick`, `damping` or `curve`.
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
-    parameters. smooth: competitors by what they are smooth in, about a fit. part: by what
-    may be left out, the number of the part that each datum belongs to. records: of stick
+    parameters. smooth: competitors by what they are smooth in, about a fit. spell: one that lasts
+    for a while, and of how many it was chosen. part: by what may be left out, the number of the
+    part that each datum belongs to. records: of stick
     frequencies. trust: the part of its own effect to which a law is exact. stiffnesses: which of
     `COORDINATES` each of the first parameters is, a stiffness of contacts, in which a posterior may
     have several maxima. unspoken: causes that want what the campaign does not say of its records,
@@ -46,6 +48,7 @@ class Channel:
     smooth: Callable[[Fit], dict[str, Kernels]]
     part: dict[str, Int[ndarray, " datum"]]
     records: Records | None = None
+    spell: Callable[[Fit], tuple[Kernels, int]] | None = None
     trust: float = TRUST
     stiffnesses: tuple[str, ...] = ()
     unspoken: tuple[str, ...] = ()
@@ -77,6 +80,7 @@ def stick_channel(
         ),
         _parts(data),
         data.records,
+        (lambda fitted: _spell(data, fitted)) if _lasts(data, simulated) else None,
         stiffnesses=simulated.coordinates,
         unspoken=(*unspoken, UNKNOWN),  # as other operators that are not in the sheet
     )
@@ -206,6 +210,35 @@ def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
         began = records.time - records.since
         found["time, through the contact"] = _courses(began, _TIME_LENGTH * records.span)
     return {name: [(both * one, 0.1) for one in courses] for name, courses in found.items()}
+
+
+def _lasts(data: StickData, simulated: Simulation) -> bool:
+    """Whether something may act through the contact for a while."""
+    return simulated.knows_contact and np.unique(data.records.clamping).size > 2
+
+
+def _spell(data: StickData, fitted: Fit) -> tuple[Kernels, int]:
+    """Contact stiffness that differs from one clamping on to another, those for which a fit's
+    misses ask most; of how many it was chosen.
+
+    Two laws that end or turn by chance where it does explain it, too.
+    """
+    records, gradient = data.records, fitted.state.facts["gradient"][:, :2]
+    number = np.unique(records.clamping, return_inverse=True)[1]
+    # what lasts from the first on, or to the last, is a step, which laws of the catalogue have
+    edges = np.unique(np.linspace(1, number.max(), _SPELL_EDGES).astype(int))
+    first, stop = (edges[k] for k in np.triu_indices(edges.size, 1))
+    inside = (number[:, None] >= first) & (number[:, None] < stop)
+    slopes = [own[:, None] * inside for own in gradient.T]
+    seen = [fitted.precision @ one for one in slopes]
+    (a, c), (_, d) = ([(one * other).sum(axis=0) for other in seen] for one in slopes)
+    x, y = (fitted.residual @ one for one in seen)
+    # Rao's score test of both slopes at once; of one mode they are one
+    asked = (d * x**2 - 2.0 * c * x * y + a * y**2) / np.maximum(
+        a * d - c**2, 1e-9 * a * d + 1e-300
+    )
+    best = gradient * inside[:, int(np.argmax(asked))][:, None]
+    return [(np.outer(one, one), 0.1) for one in best.T], asked.size
 
 
 def _courses(values: ndarray, length: float) -> tuple[ndarray, ndarray]:

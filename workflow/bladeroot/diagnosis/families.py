@@ -19,6 +19,7 @@ from bladeroot.mechanisms.mechanism import Mechanism
 _SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
 _ROUGH = 0.1  # nats a step, at which a fit over amplitude ends: laws explain hundreds there
 _PLACES = 8  # of a step or a bend that are begun from
+SPELL = "a part of the time, through the contact"
 _INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
 
 
@@ -237,8 +238,10 @@ def smooth(channel: Channel, model: Model) -> dict[str, float]:
     Fitted from two starts beside no cause, and where the data ask for it.
     """
     gains, current = {}, model.fit
-    own = current.scales.size
-    for name, kernels in channel.smooth(current).items():
+    own, competitors, choices = current.scales.size, channel.smooth(current), 1
+    if channel.spell is not None:
+        competitors[SPELL], choices = channel.spell(current)
+    for name, kernels in competitors.items():
         problem = channel.problem(model.causes, kernels)
         usual, wide = problem.scales.mean, problem.scales.std
         starts = [np.append(current.scales, usual[own:])]
@@ -248,6 +251,8 @@ def smooth(channel: Channel, model: Model) -> dict[str, float]:
             starts.append(np.append(less, usual[own:] + wide[own:]))
         both = [fit(problem, current.parameters, scales) for scales in starts]
         gains[name] = max(one.log_evidence for one in both) - current.log_evidence
+    if SPELL in gains:
+        gains[SPELL] -= float(np.log(choices))
     if channel.name == "curve":  # what begins at once is not smooth, and strains the errors
         gains["amplitude"] = max(gains["amplitude"], strain(current))
     return gains

@@ -22,11 +22,21 @@ def columns(course: Callable, records: Records, values: np.ndarray) -> tuple[np.
 
 
 def law(course: Callable):
-    """The hook: all ln f alike. A modulus leaves out what tension holds, a part of the change."""
+    """The hook: frequencies by the modulus, all alike but for a part of what the load holds.
+
+    With all stiffness but the load's larger by 1 + 2c, omega^2 is 1 + 2c times that at the load
+    over 1 + 2c.
+    """
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
-        change, slopes = columns(course, records, values)
-        return StickEffect({"ln_f": change}, {"ln_f": slopes})
+        change, slopes = columns(course, records, np.delete(values, 1))
+        slopes, load = np.insert(slopes, 1, 0.0, axis=1), -2.0 * records.force
+        by_load = values[1] * slopes
+        by_load[:, 1] = change
+        return StickEffect(
+            {"ln_f": change, "force": load * values[1] * change},
+            {"ln_f": slopes, "force": load[:, None] * by_load},
+        )
 
     return stick
 
@@ -74,6 +84,10 @@ def share(records: Records) -> np.ndarray:
     return records.time / records.span if records.span > 0.0 else 0.0 * records.time
 
 
+HELD = Parameter(
+    "held", "1", 0.7, 0.7, -1.0, 3.0,
+    "of what the load holds: 1 of a modulus alone, 0 of a clock, any with what strains the load",
+)  # fmt: skip
 TIME_CONSTANT = Parameter(
     "time_constant", "1", 0.3, 0.7, 0.02, 3.0,
     "of the campaign: hours, as a rig of some 100 kg", log=True,
@@ -90,16 +104,22 @@ MECHANISM = Mechanism(
             "change", "1", 0.0, 0.005, -0.03, 0.03,
             "of frequencies: steel's modulus falls by 2.4e-4 a kelvin, 10 K make 0.12 %",
         ),
+        HELD,
     ),
     splitter="a thermometer on {beam_and_rig}; the first {forces} again at the end",
     stick=law(linear),
     over=("time",),
+    moves_load=False,
     form="linear",
 ).also(
-    "saturating", TIME_CONSTANT, stick=law(saturating), starts=((1e-3, float(np.log(0.1))),)
-).also("step", MOMENT, stick=law(step), over=("clamping",), starts=STEP_STARTS).also(
+    "saturating", TIME_CONSTANT, stick=law(saturating), starts=((1e-3, 1.0, float(np.log(0.1))),),
+).also(
+    "step", MOMENT, stick=law(step), over=("clamping",),
+    starts=tuple((change, 1.0, at) for change, at in STEP_STARTS),
+).also(
     "wandering",
     Parameter("change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True),
+    HELD,
     *(
         Parameter(
             f"part_{k}", "1", 0.0, 1.0 if k == 0 else 0.7 / k, -10.0, 10.0,
@@ -109,15 +129,15 @@ MECHANISM = Mechanism(
     ),
     keep=0,
     stick=law(wandering),
-    starts=((float(np.log(2e-3)), 0.5, 0.2, 0.0, 0.0, 0.0),
-            (float(np.log(2e-3)), -0.5, -0.2, 0.0, 0.0, 0.0)),
+    starts=((float(np.log(2e-3)), 1.0, 0.5, 0.2, 0.0, 0.0, 0.0),
+            (float(np.log(2e-3)), 1.0, -0.5, -0.2, 0.0, 0.0, 0.0)),
 ).also(
     "periodic",
     Parameter("cycles", "1", 1.5, 0.7, 0.3, 20.0, "a campaign of days", log=True),
     Parameter("phase", "1", 0.0, 2.0, -20.0, 20.0, "at the first record, rad"),
     stick=law(periodic),
     starts=tuple(
-        (1e-3, float(np.log(n)), phase)
+        (1e-3, 1.0, float(np.log(n)), phase)
         for n in (0.7, 1.0, 1.5, 2.0, 3.0, 4.5)
         for phase in (0.0, 1.57)
     ),

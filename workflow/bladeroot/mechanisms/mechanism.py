@@ -191,7 +191,8 @@ class Mechanism:
     forms: the others, mechanisms of the same id, of the same first parameter and as likely as this
     one. over: what a law on records is a function of, of
     `VARIABLES`; in these it is only trusted to some per cent. A `stick` law over the force is given
-    the force that there is, as other causes change it.
+    the force that there is, as other causes change it (moves_load: whether a law's own change of
+    the force is one of the load, not only of what the load does to a frequency).
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
     measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
     whether it is never named by itself without that, for its siblings explain the same data.
@@ -210,6 +211,7 @@ class Mechanism:
     damping: DampingHook | None = None
     finding: str = ""
     over: tuple[str, ...] = ("force",)
+    moves_load: bool = True
     starts: tuple[tuple[float, ...], ...] = ()
     measured_by: str = ""
     needed: bool = False

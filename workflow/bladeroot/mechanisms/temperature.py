@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
+from bladeroot.mechanisms.drift import HELD, law
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
 
 
-def stick(records: Records, values: np.ndarray) -> StickEffect:
-    """All ln f alike, in proportion to the temperature."""
-    return StickEffect(
-        {"ln_f": values[0] * records.temperature}, {"ln_f": records.temperature[:, None]}
-    )
+def measured(records: Records, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """In proportion to the temperature."""
+    return records.temperature, np.zeros((records.temperature.size, 1))
 
 
 MECHANISM = Mechanism(
@@ -21,8 +20,10 @@ MECHANISM = Mechanism(
             "slope", "1/K", -1.2e-4, 3e-4, -3e-3, 3e-3,
             "of ln f: steel's modulus falls by 2.4e-4 a kelvin; a rig that expands adds as much",
         ),
+        HELD,
     ),
     splitter="the {rig} warmed by some kelvin, and nothing else changed",
-    stick=stick,
+    stick=law(measured),
     over=("temperature",),
+    moves_load=False,
 )  # fmt: skip
