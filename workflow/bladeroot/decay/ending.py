@@ -9,7 +9,10 @@ from bladeroot.decay.release import FRAME_OVERLAP, KINK_REACH, LEAST_REACH, log_
 from bladeroot.signal.envelope import FRAME_STEPS, Envelope
 from bladeroot.signal.turning import kinks
 
-STEPPED = "the digitiser's steps"  # why a decay ends
+# Why a decay ends.
+NOISE = "the noise"
+RECORD_END = "end of the record"
+STEPPED = "the digitiser's steps"
 # A rise of the smoothed ln A that ends a decay: neither noise nor a decaying mode by itself makes
 # the envelope rise by half.
 RISE = float(np.log(1.5))
@@ -121,7 +124,7 @@ def find_end(
     lost = np.flatnonzero(power <= limit)
     if lost.size:
         last = begin + int(lost[0])
-        ends.append((seen.time[last], "the noise"))
+        ends.append((seen.time[last], NOISE))
     coarse = np.flatnonzero(power <= least**2)
     if coarse.size:
         ends.append((seen.time[begin + coarse[0]], STEPPED))
@@ -134,7 +137,7 @@ def find_end(
     if back is not None:
         ends.append((back, "disturbed"))
     if not ends:
-        return float(seen.time[-1] + 0.5 * seen.frame_s), "end of the record"
+        return float(seen.time[-1] + 0.5 * seen.frame_s), RECORD_END
     time, reason = min(ends)
     return float(time), reason
 

@@ -18,9 +18,9 @@ from bladeroot.decay.cut import (
     sensor_noise,
     too_fast_or_short,
 )
-from bladeroot.decay.ending import STEPPED
+from bladeroot.decay.ending import NOISE, RECORD_END, STEPPED
 from bladeroot.decay.overrides import in_band, shortened
-from bladeroot.decay.release import AT_ONCE, Release
+from bladeroot.decay.release import AT_ONCE, BEGUN, SHAKER, Release
 from bladeroot.quality.findings import clipping
 from bladeroot.quality.integrity import bridged, carried, examined, judge, unspiked
 from bladeroot.signal.lines import CLOSE_MODE_DISTANCE
@@ -83,7 +83,7 @@ def free_decay(
     let_go = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
     first = max(struck + skipped, let_go, unclipped)
     how = decay.attrs["excitation"] or AT_ONCE
-    if struck and how in ("begins in the decay", AMBIENT):  # beats rise as slowly as they fall, too
+    if struck and how in (BEGUN, AMBIENT):  # beats rise as slowly as they fall, too
         how = AT_ONCE
     before, reach = struck, 0
     if band_Hz is not None:  # the filter smears a blow by its reach
@@ -99,11 +99,11 @@ def free_decay(
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         blurred = _blurred(clear, parts.velocity, freed, steps, expected_Hz)
         further = cut(parts.velocity[:blurred], rate, expected_Hz, end, release, 0.0, noise)
-        if blurred < parts.velocity.size and further.attrs["end_reason"] == "end of the record":
+        if blurred < parts.velocity.size and further.attrs["end_reason"] == RECORD_END:
             further.attrs["end_reason"] = STEPPED
         freed = further if further.attrs["verdict"] == "usable" else freed
-    if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
-        freed.attrs["end_reason"] = "the noise"
+    if parts.velocity.size < clear.size and freed.attrs["end_reason"] == RECORD_END:
+        freed.attrs["end_reason"] = NOISE
     if freed.sizes["time"] < 2 * reach:
         raise ValueError("what is shorter than the filter is the filter's own ringing")
     if start_s is not None:
@@ -153,7 +153,7 @@ def _remarks(count: int, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:
     """
     fall = mode.attrs["fall"]
     several = (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
-    short = mode.attrs["excitation"] == "begins in the decay" and fall < LEAST_FALL
+    short = mode.attrs["excitation"] == BEGUN and fall < LEAST_FALL
     return (*several, ("short-record", SHORT.format(fall))) if short else several
 
 
@@ -181,12 +181,12 @@ def _let_go(
     lines, followed from before the release on, smear it: where it lies cycles earlier than in the
     record as it is, that is the one.
     """
-    if decay.attrs["excitation"] != "shaker":
+    if decay.attrs["excitation"] != SHAKER:
         return 0
     freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
     own = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
     # what ends where the drive does is the drive
-    driven = own.attrs["excitation"] == "shaker" or own.attrs["end_s"] < decay.attrs["start_s"]
+    driven = own.attrs["excitation"] == SHAKER or own.attrs["end_s"] < decay.attrs["start_s"]
     early = decay.attrs["start_s"] - own.attrs["start_s"] > SMEARED / expected_Hz
     start_s = (decay if early else own).attrs["start_s"]
     return round(start_s * sampling_Hz) if driven else 0

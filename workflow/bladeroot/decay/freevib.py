@@ -22,9 +22,9 @@ STEADY_ERRORS = 3.0  # standard errors of ln A: of less, nothing says that it fa
 # Which points are given.
 FREQUENCY_KNOWN = 0.005  # standard error over frequency: beyond, noise or another mode is followed
 FEWEST = 4  # points
-LOSS_KNOWN = 0.09  # standard error over loss factor, by noise, at which the curves begin and end,
-FREQUENCY_SURE = 5e-4 / 3.0  # and stated error over frequency at which they end in a result,
-KNOWN_PART = 0.5  # where so large a part of the points is better known
+LOSS_KNOWN = 0.09  # standard error by noise over loss factor, at which a curve begins and ends
+FREQUENCY_SURE = 5e-4 / 3.0  # stated error over frequency, at which `surely_known` ends it
+KNOWN_PART = 0.5  # neither ends a curve of which no more than this part is better known
 
 
 def freevib(
@@ -92,7 +92,7 @@ def freevib(
     start, larger = factors(loss_std / np.abs(loss), at)
     errors = (start * amplitude * std[0, 0], larger * frequency_std, larger * loss_std)
     curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
-    keep = frequency_std < FREQUENCY_KNOWN * omega_n / (2.0 * np.pi)  # and a number
+    keep = frequency_std < FREQUENCY_KNOWN * omega_n / (2.0 * np.pi)  # not a number fails, too
     if np.count_nonzero(keep) < FEWEST:
         raise ValueError(
             f"the mode's frequency is known to {100.0 * FREQUENCY_KNOWN:g} % in "

@@ -8,7 +8,7 @@ import xarray as xr
 
 from bladeroot.decay.cut import rejected
 from bladeroot.decay.overrides import banded
-from bladeroot.decay.record import analyse, estimated, overrides
+from bladeroot.decay.record import analyse, estimated, override_remark
 from bladeroot.io.read import read
 from bladeroot.io.recording import part
 from bladeroot.quality.integrity import judge
@@ -47,16 +47,16 @@ def recorded(raw: str | Path, known: Mapping) -> Recording:
 def of_recording(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """The same of a recording in SI units, for which `known` need not hold SAID."""
+    """Free decay, curves and plateau of a recording in SI units; `known` need not hold SAID."""
     return _with_opinion(*analyse(recording, known, cutting, estimation), known)
 
 
 def not_analysed(
     known: Mapping, reason: str, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """The same for a record that has no recording: rejected for that reason."""
+    """Free decay, curves and plateau of a record without a recording: rejected, without points."""
     nothing = rejected(reason)
-    decay = judge(nothing, np.zeros(0), known["expected_Hz"], remarks=overrides(known))
+    decay = judge(nothing, np.zeros(0), known["expected_Hz"], remarks=override_remark(known))
     return _with_opinion(*estimated(decay, known, estimation), known)
 
 

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.cut import AMBIENT, cut_out
+from bladeroot.decay.release import BEGUN
 
 # The filter of a band: Kaiser's window of this shape and half length, in inverse widths of what
 # lies between the band and what is taken off. The gain in the band is then one within 3e-4; longer
@@ -48,7 +49,7 @@ def shortened(
     if start_s is not None:
         facts |= {"release_s": first / rate, "release_std_s": 0.0}
     if decay.attrs["excitation"] in ("", AMBIENT):
-        facts["excitation"] = "begins in the decay"
+        facts["excitation"] = BEGUN
     return cut_out(whole, rate, (first, stop), decay.attrs | facts)
 
 

@@ -70,8 +70,8 @@ def _looked_at(
     estimation: Mapping,
     band_Hz: tuple[float, float] | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """The same of the record as it is, or of nothing but a band of it."""
-    remarks = overrides(known)
+    """Free decay, curves and plateau of the record as it is, or of nothing but a band of it."""
+    remarks = override_remark(known)
     if band_Hz is not None:
         remarks += (("crowded", CROWDED.format(*band_Hz)),)
     decay = free_decay(
@@ -87,7 +87,7 @@ def _looked_at(
     return estimated(decay.assign_attrs(quantity=recording.quantity), known, estimation)
 
 
-def overrides(known: Mapping) -> tuple[tuple[str, str], ...]:
+def override_remark(known: Mapping) -> tuple[tuple[str, str], ...]:
     """What a person overrules as a finding, so that every table shows it."""
     text = known.get("overruled")
     return (("override", f"overruled: {text}"),) if text else ()
@@ -136,20 +136,21 @@ def estimate(
         first = int(np.argmax(cut["usable"].values))
         begin_s = first / facts["sampling_Hz"]
         velocity = cut["velocity"].values[first:].astype(float)
-        known = [facts[name] for name in ("sampling_Hz", "expected_Hz", "noise_velocity")]
+        said = [facts[name] for name in ("sampling_Hz", "expected_Hz", "noise_velocity")]
         options = {"damping": damping, "usable": cut["usable"].values[first:].astype(bool)}
-        before = {"filtered": band_Hz is not None} if estimator is freevib else {}
-        if estimator is freevib and "widening" in cut:
-            time = cut["widening_time"].values - begin_s
-            before["taken"] = (time, cut["widening"].values, cut["doubt"].values)
+        if estimator is freevib:
+            options["filtered"] = band_Hz is not None
+            if "widening" in cut:
+                time = cut["widening_time"].values - begin_s
+                options["taken"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
-            made = later(estimator(velocity, *known, **options, **before), begin_s)
+            made = later(estimator(velocity, *said, **options), begin_s)
             made = made if band_Hz is None else within(made, band_Hz)
             _refuse_another(made, facts["expected_Hz"], modes_Hz)
         except ValueError as error:
             made, facts = None, facts | {"verdict": "rejected", "reason": str(error)}
         else:
-            if "taken" in before:
+            if "taken" in options:
                 made.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
     made = no_decay() if made is None else made
     return made.assign_attrs(facts, estimator=estimator.__name__)

@@ -47,6 +47,8 @@ VARIANCE_GAIN = 30.0  # nats of a real change of variance: any two pieces of noi
 VARIANCE_SAMPLES = 4  # on either side of the change at least
 INSTANT_CYCLES = 0.1  # standard error of the instant; a change so soon after the first is none
 AT_ONCE = "at once"  # what a blow excites, or what is let go from rest
+SHAKER = "shaker"  # likewise: a drive that ends
+BEGUN = "begins in the decay"  # likewise: nothing is seen of it
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ def find_release(
     if found is None:
         flat = _last_above(level, peak, trough, level[peak] - FLAT_FALL)
         if flat - peak > FLAT_SLOWNESS * FLAT_FALL * pace + FRAME_STEPS:
-            return Release(float(seen.time[flat]), 0.5 * seen.frame_s, "shaker")
+            return Release(float(seen.time[flat]), 0.5 * seen.frame_s, SHAKER)
         if peak > 3 * FRAME_STEPS:
             quiet = _quiet(seen, peak)
             return Release(float(seen.time[peak]), 0.5 * seen.frame_s, _excitation(quiet))
@@ -206,7 +208,7 @@ def _bend(log: Complex[ndarray, " point"], std: Float[ndarray, " later"]) -> tup
 
 
 def _excitation(quiet: int | None) -> str:
-    return "shaker" if quiet is None else AT_ONCE
+    return SHAKER if quiet is None else AT_ONCE
 
 
 def _quiet(seen: Envelope, at: int) -> int | None:
@@ -254,7 +256,7 @@ def _sudden(
     nothing = gain < VARIANCE_GAIN or pick < INSTANT_CYCLES * cycle * sampling_Hz
     still = np.std(piece[:pick]) < 0.5 * np.std(decay[:pick]) if pick > 1 else False
     if first == 0 and (nothing or not still):
-        return Release(0.0, 0.0, "begins in the decay")
+        return Release(0.0, 0.0, BEGUN)
     if nothing:
         return Release(float(seen.time[head]), 0.5 * seen.frame_s, _excitation(quiet))
     excitation = AT_ONCE if first == 0 else _excitation(quiet)

@@ -32,7 +32,8 @@ def shaken(
     """Standard errors of the blocks without such noise, and variances of its steps; None: no noise.
 
     fit: the blocks' spline. Both results are of the first blocks, as many as the walk leaves usable
-    (its standard deviation below `WORST`); the errors are those that are independent in the blocks.
+    (its standard deviation below `WORST_STD`); the errors are those that are independent in the
+    blocks.
     """
     time, y = blocks.time, blocks.rows
     value = fit.value(time)[0]

@@ -23,7 +23,7 @@ Kernels = Sequence[tuple[ndarray, float]]
 # beside it: for a rough one alone a plain trend is so unlikely that any law of that variable wins.
 _FORCE_LENGTH = 1.0  # of ln F, over which the rough course forgets itself
 _TIME_LENGTH = 0.5  # of the campaign, likewise
-_SPELL_EDGES = 40  # at most, among the clampings, from which to which something lasts for a while
+_SPELL_EDGES = 40  # clampings, at most, at which what lasts for a part of the campaign may begin
 _SLOW = 1.5  # length of the slow course over the rough one's
 
 
@@ -33,12 +33,12 @@ class Channel:
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. spell: one that lasts
-    for a while, and of how many it was chosen. part: by what may be left out, the number of the
-    part that each datum belongs to. records: of stick
-    frequencies. trust: the part of its own effect to which a law is exact. stiffnesses: which of
-    `COORDINATES` each of the first parameters is, a stiffness of contacts, in which a posterior may
-    have several maxima. unspoken: causes that want what the campaign does not say of its records,
-    by id; `UNKNOWN` of data in which what is of no catalogue may leave no trace.
+    for a part of the campaign, and of how many it was chosen. part: by what may be left out, the
+    number of the part that each datum belongs to. records: of stick frequencies. trust: the part of
+    its own effect to which a law is exact. stiffnesses: which of `COORDINATES` each of the first
+    parameters is, a stiffness of contacts, in which a posterior may have several maxima. unspoken:
+    causes that want what the campaign does not say of its records, by id; `UNKNOWN` of data in
+    which what is of no catalogue may leave no trace.
     """
 
     name: str
@@ -218,10 +218,10 @@ def _lasts(data: StickData, simulated: Simulation) -> bool:
 
 
 def _spell(data: StickData, fitted: Fit) -> tuple[Kernels, int]:
-    """Contact stiffness that differs from one clamping on to another, those for which a fit's
-    misses ask most; of how many it was chosen.
+    """Contact stiffness that differs from one clamping on until another: those two for which a
+    fit's misses ask most; and of how many pairs they were chosen.
 
-    Two laws that end or turn by chance where it does explain it, too.
+    Two laws that turn or give way just there explain it, too, and would be named.
     """
     records, gradient = data.records, fitted.state.facts["gradient"][:, :2]
     number = np.unique(records.clamping, return_inverse=True)[1]

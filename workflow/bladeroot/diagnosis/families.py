@@ -19,7 +19,7 @@ from bladeroot.mechanisms.mechanism import Mechanism
 _SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
 _ROUGH = 0.1  # nats a step, at which a fit over amplitude ends: laws explain hundreds there
 _PLACES = 8  # of a step or a bend that are begun from
-SPELL = "a part of the time, through the contact"
+SPELL = "time, through the contact for a part of the campaign"
 _INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
 
 

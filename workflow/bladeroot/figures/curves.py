@@ -83,7 +83,7 @@ def records(decays: Sequence[xr.Dataset]) -> Chart | None:
     coloured, switch = _coloured(traces, [value_of(d.attrs) for d in decays], decays[0].attrs)
     panels = [
         Panel(panel.title + parts.get(panel.title.removeprefix("mode "), ""), panel.x, panel.y,
-              x_log=True, y_log=panel.y_log, y_range=_limits(traces, k, panel.y_log))
+              x_log=panel.x_log, y_log=panel.y_log, y_range=_limits(traces, k, panel.y_log))
         for k, panel in enumerate(_panels(modes))
     ]  # fmt: skip
     return Chart(

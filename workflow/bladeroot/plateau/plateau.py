@@ -39,9 +39,12 @@ LEFT_AFTER_FALL = 0.1
 FEWEST_SETTLED = 5  # blocks from the last one that slips on, itself counted, at least
 MOMENT_STD = 0.3  # blocks: error of the moment of capture, from sliders of known critical amplitude
 NEAR_BLOCKS = 9  # around a block, whose median error is its own at most
+OTHER_MODES_NOTE = (
+    "other modes ring in the record and add to the slip: a lower bound for this mode alone"
+)
 
 
-def plateau(decay: xr.Dataset) -> dict[str, float | str]:
+def plateau(curves: xr.Dataset) -> dict[str, float | str]:
     """Stick frequency, loss factor and onset amplitude of one decay (dims as from `freevib`).
 
     The attribute `damping` says what the frequency and the loss factor belong to: "hysteretic"
@@ -56,16 +59,16 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     """
     result: dict[str, float | str] = dict.fromkeys(RECORD_VARIABLES, np.nan)
     result["plateau_reached"] = 0
-    rejected = decay.attrs.get("verdict", "usable") == "rejected"
-    if rejected or decay.sizes["point"] < FEWEST_BLOCKS:
-        reason = decay.attrs.get("reason", "") if rejected else ""
+    rejected = curves.attrs.get("verdict", "usable") == "rejected"
+    if rejected or curves.sizes["point"] < FEWEST_BLOCKS:
+        reason = curves.attrs.get("reason", "") if rejected else ""
         return result | {"verdict": f"rejected: {reason or 'too few points above the noise'}"}
-    time, amplitude = decay["time"].values, decay["amplitude"].values
-    within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < BLUNT_STD)
+    time, amplitude = curves["time"].values, curves["amplitude"].values
+    within = (curves["block_time"].values <= time[-1]) & (curves["block_std"].values < BLUNT_STD)
     if within.sum() < FEWEST_BLOCKS:
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
-    blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
-    both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
+    blocks = {name: curves[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
+    both = np.stack([curves["block_log_amplitude"].values[within], blocks["phase"]])
     smooth = cubic(blocks["time"], time, np.log(amplitude))
     log = np.where(blocks["std"] < SHARP_STD, both[0], smooth)
     segment = grouped(blocks["time"], both, blocks["std"], log)
@@ -80,25 +83,25 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         found = replace(after, onset=onset, departs=1.0)
     omega, omega_std = found.phase.mean()
     alpha, alpha_std = found.decline.mean()
-    damping = decay.attrs.get("damping", "hysteretic")
+    damping = curves.attrs.get("damping", "hysteretic")
     frequency, loss = _natural(omega, alpha, damping)
     ends = _ends(found, float(amplitude.max()))
     constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
     reached = found.phase.plateau >= STATED_PLATEAU_WEIGHT and constant >= SHORTEST_PLATEAU
     last = int(np.argmin(amplitude))
-    bound = frequency if reached else float(decay["frequency"].values[last])
-    if not _in_band(bound, decay):
+    bound = frequency if reached else float(curves["frequency"].values[last])
+    if not _in_band(bound, curves):
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     result["plateau_weight"] = found.phase.plateau
     if found.decline.plateau >= STATED_PLATEAU_WEIGHT:
         result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
     if not reached:
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
-        if not all(_in_band(limit, decay) for limit in (low, high)):
+        if not all(_in_band(limit, curves) for limit in (low, high)):
             low, high = np.nan, np.nan  # an extrapolation that leaves the band tells no limit
         return result | {
             "frequency_bound": bound,
-            "frequency_bound_std": float(decay["frequency_std"].values[last]),
+            "frequency_bound_std": float(curves["frequency_std"].values[last]),
             "limit_low": low,
             "limit_high": high,
             "verdict": "plateau not reached",
@@ -114,9 +117,9 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     }
 
 
-def _in_band(frequency: float, decay: xr.Dataset) -> bool:
+def _in_band(frequency: float, curves: xr.Dataset) -> bool:
     """Whether a frequency (Hz) lies in the band in which the mode was looked for."""
-    low, high = decay.attrs.get("band_low_Hz", 0.0), decay.attrs.get("band_high_Hz", np.inf)
+    low, high = curves.attrs.get("band_low_Hz", 0.0), curves.attrs.get("band_high_Hz", np.inf)
     return bool(low < frequency < high)
 
 
@@ -145,24 +148,19 @@ def _ends(found: Weighed, largest: float) -> dict[str, float]:
     }
 
 
-OTHER_MODES_NOTE = (
-    "other modes ring in the record and add to the slip: a lower bound for this mode alone"
-)
-
-
-def record_plateau(decay: xr.Dataset) -> xr.Dataset:
+def record_plateau(curves: xr.Dataset) -> xr.Dataset:
     """Stick frequency, loss factor, onset and verdict of one decay, with its attributes.
 
     Variables are the scalars of `bladeroot.plateau.plateau.plateau`; NaN where there is none.
     """
-    found = plateau(decay)
+    found = plateau(curves)
     made = dataset("plateau/record", {name: found[name] for name in RECORD_VARIABLES})
-    if decay.attrs.get("damping") == "viscous":
+    if curves.attrs.get("damping") == "viscous":
         made["loss_factor"].attrs["long_name"] = "twice the damping ratio of the stick plateau"
-    if np.size(decay.attrs.get("other_modes_Hz", ())):
+    if np.size(curves.attrs.get("other_modes_Hz", ())):
         made["onset_amplitude"].attrs["note"] = OTHER_MODES_NOTE
     verdict = dataset("plateau/verdict", {"verdict": found["verdict"]})
-    return made.assign(verdict).assign_attrs(decay.attrs)
+    return made.assign(verdict).assign_attrs(curves.attrs)
 
 
 def sudden_onset(

@@ -3,7 +3,7 @@
 Four kinds of law have the same prior weight: a constant, laws that bend all the way down, flat
 ones, and hinges (ln A0 and shape uniform). A constant has more where no departure shows, but in the
 verdict alone: what would not show is in the rates' errors. Phase and log-amplitude have shapes of
-their own; in half of the prior their onset is one.
+their own; half of the prior says that both have the same onset.
 """
 
 from dataclasses import dataclass
@@ -19,6 +19,15 @@ from bladeroot.plateau.laws import BENDING_POWERS, DOUBT_STDS, FLAT_POWERS, HING
 CENTRAL_INTERVALS = {68: (0.158655, 0.841345), 95: (0.025, 0.975)}  # their ends, by size in %
 STDS_OF_95 = 1.96  # half of a normal distribution's interval of 95 %, in standard deviations
 NEGLIGIBLE_WEIGHT = 1e-6  # parts of less weight, over the largest or over all, are left out
+
+# A constant segment at least this long in ln A counts as a plateau that is shown.
+SHORTEST_PLATEAU = np.log(2.0)
+# Error of ln A0 by the blocks and the integration over the cells, found by simulation.
+ONSET_ERROR = 1e-4
+NEGLIGIBLE_EVIDENCE = 8.0  # ln of the evidence below the best, from which on a law does not matter
+LEAST_EXTRAPOLATED_POWER = 0.5  # of A: a law of a smaller power is not believed down to A = 0
+SMOOTH_COUNT = len(BENDING_POWERS) + len(FLAT_POWERS)
+DOUBT_COUNT = len(DOUBT_STDS)
 
 
 @dataclass(frozen=True)
@@ -51,16 +60,6 @@ class Mixture:
         """
         q = self.quantiles((*CENTRAL_INTERVALS[95], *CENTRAL_INTERVALS[68], 0.5))
         return float(q[4]), float(np.sqrt(0.5 * (q[3] - q[2]) * (q[1] - q[0]) / (2.0 * STDS_OF_95)))
-
-
-# A constant segment at least this long in ln A counts as a plateau that is shown.
-SHORTEST_PLATEAU = np.log(2.0)
-# Error of ln A0 by the blocks and the integration over the cells, found by simulation.
-ONSET_ERROR = 1e-4
-NEGLIGIBLE_EVIDENCE = 8.0  # ln of the evidence below the best, from which on a law does not matter
-LEAST_EXTRAPOLATED_POWER = 0.5  # of A: a law of a smaller power is not believed down to A = 0
-SMOOTH_COUNT = len(BENDING_POWERS) + len(FLAT_POWERS)
-DOUBT_COUNT = len(DOUBT_STDS)
 
 
 @dataclass(frozen=True)

@@ -68,10 +68,11 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     levels = pd.DataFrame(rows, columns=["mode", "force", "group", *LEVEL_VARIABLES])
     result = stick_dataset(frame, levels, load_facts_of(plateaus))
     unknown = ", ".join(_unknown(used, levels[levels["hold_freedom"] == 0]))
-    for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std") if unknown else ():
+    if unknown:
         text = f"; clamping scatter of {unknown} unknown: a lower bound"
-        result[name].attrs["long_name"] += text
-        result[name].attrs["lower_bound"] = unknown
+        for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std"):
+            result[name].attrs["long_name"] += text
+            result[name].attrs["lower_bound"] = unknown
     return result
 
 
@@ -144,6 +145,7 @@ def _one_motion(seen: pd.DataFrame) -> pd.DataFrame:
 
 
 def _weighted(value: ndarray, std: ndarray) -> tuple[float, float]:
+    """Mean by the errors, and its error; NaN where no value is known."""
     known = np.isfinite(value) & (std > 0.0)
     if not known.any():
         return np.nan, np.nan
@@ -154,7 +156,10 @@ def _weighted(value: ndarray, std: ndarray) -> tuple[float, float]:
 
 
 def _pooled(records: pd.DataFrame, name: str) -> tuple[_Levels, Pooled | None]:
-    """Mean and error of each group and force, and what was pooled; nothing of no records."""
+    """Mean and error of each group and force, and what was pooled; nothing of no records.
+
+    Where no clamping is repeated, errors hold what the levels scatter about a smooth law, too.
+    """
     if not len(records):
         return {}, None
     cells = records.groupby(["group", "force"], sort=True)

@@ -2,7 +2,7 @@
 
 In: a recording and the decay cut from it. Out: the decay with its findings and the mask of usable
 samples. Read `integrity` first; `examined` is what every check looks at: the samples of one record,
-not its load (records are compared in `pooling`). `second_opinion` sets curves by peak fitting
-beside a record's own. A new check is a file of `findings`, whose first page says what it must
-define; its threshold stands there.
+not its load (records are compared in `pooling`). `second_opinion` sets a curve by peak fitting
+(`peak_fit`) beside a record's own, and `agreement` compares the two. A new check is a file of
+`findings`, whose first page says what it must define; its threshold stands there.
 """
