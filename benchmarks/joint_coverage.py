@@ -223,7 +223,7 @@ def of_structure(name: str, draws: int, seed: int) -> None:
 
 def coverage(title: str, true, ours, draws: int, seed: int) -> None:
     """Draw campaigns of one model, infer with another, and count."""
-    start, blank, count = time.process_time(), assembly_data(ours.modes), len(ours.parameters)
+    start, blank, count = time.process_time(), assembly_data(ours.modes), len(ours.stiffnesses)
     shares, below, stds, effective = [], [], [], []
     for k in range(draws):
         rng = np.random.default_rng([seed, k])
@@ -250,7 +250,7 @@ def coverage(title: str, true, ours, draws: int, seed: int) -> None:
         print(f"  region of all ln k {way}: 68 % {inside[0]:.1f}, 95 % {inside[1]:.1f}; sampling "
               f"error up to {100 * np.sqrt(0.25 / draws):.1f} points")  # fmt: skip
     inside = [100 * np.mean(abs(np.array(below) - 0.5) < c / 2, axis=0) for c in REGION_SHARES]
-    for one in zip(ours.parameters, *inside, np.median(stds, axis=0), strict=True):
+    for one in zip(ours.stiffnesses, *inside, np.median(stds, axis=0), strict=True):
         print("  {}: 68 % {:.0f}, 95 % {:.0f}; median std over the prior's {:.2f}".format(*one))
 
 
